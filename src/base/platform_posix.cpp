@@ -1,0 +1,79 @@
+#include "base/platform.h"
+
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <sys/ioctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace parhelion::platform {
+
+namespace {
+
+volatile std::sig_atomic_t g_interrupt = 0;
+
+void on_signal(int number) {
+    if (g_interrupt != 0) _exit(number == SIGTERM ? 143 : 130);
+    g_interrupt = number;
+}
+
+uint64_t status_kilobytes(const std::string& key) {
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);)
+        if (line.rfind(key, 0) == 0) return std::strtoull(line.c_str() + key.size(), nullptr, 10);
+    return 0;
+}
+
+}  // namespace
+
+void install_interrupt_handlers() {
+    struct sigaction action {};
+    action.sa_handler = on_signal;
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, &action, nullptr);
+    sigaction(SIGTERM, &action, nullptr);
+    std::signal(SIGPIPE, SIG_IGN);
+}
+
+Interrupt interrupt_requested() {
+    const int number = g_interrupt;
+    return number == 0 ? Interrupt::None : number == SIGTERM ? Interrupt::Terminated : Interrupt::Interrupted;
+}
+
+void set_interrupt(Interrupt value) { g_interrupt = value == Interrupt::None ? 0 : value == Interrupt::Terminated ? SIGTERM : SIGINT; }
+
+bool is_terminal(int file_descriptor) { return isatty(file_descriptor) != 0; }
+
+unsigned terminal_width() {
+    winsize size{};
+    return ioctl(2, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+}
+
+uint64_t process_id() { return static_cast<uint64_t>(getpid()); }
+bool process_exists(uint64_t process) { return kill(static_cast<pid_t>(process), 0) == 0 || errno == EPERM; }
+uint64_t resident_bytes() { return status_kilobytes("VmRSS:") * 1024; }
+uint64_t peak_resident_bytes() { return status_kilobytes("VmHWM:") * 1024; }
+
+std::filesystem::path cache_folder() {
+    if (const char* own = std::getenv("PARHELION_CACHE_DIR"); own && *own) return own;
+    if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg && *xdg) return std::filesystem::path(xdg) / "parhelion";
+    if (const char* home = std::getenv("HOME"); home && *home) return std::filesystem::path(home) / ".cache" / "parhelion";
+    return std::filesystem::temp_directory_path() / "parhelion-cache";
+}
+
+bool sync_file(const std::filesystem::path& path) {
+    const int file = open(path.c_str(), O_WRONLY | O_CLOEXEC);
+    if (file < 0) return false;
+    const bool synced = fsync(file) == 0 || errno == EINVAL || errno == EROFS;
+    return close(file) == 0 && synced;
+}
+
+void* load_library(const std::string& name) { return dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL); }
+void* library_symbol(void* library, const char* name) { return dlsym(library, name); }
+
+}  // namespace parhelion::platform

@@ -1,0 +1,111 @@
+#pragma once
+// Recording of GPU commands. Nothing here tracks hazards: Frame does, and calls barrier(). Also submission, set 0 and timers.
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "gpu/program.h"
+#include "gpu/resources.h"
+
+namespace parhelion::gpu {
+
+// Descriptor set 0, equal for every program that sees the scene: binding 0 top level now, 1 top level before (both only on
+// devices with acceleration structures), 2 scene header (storage buffer), 3 textures[] (combined image samplers).
+class SceneSet {
+public:
+    SceneSet() = default;
+    SceneSet(const DevicePtr& device, std::string name, uint32_t max_textures);
+    explicit operator bool() const { return data_ != nullptr; }
+    // The set must not be in use by the GPU; the caller alternates two sets per frame where the scene changes.
+    void set_accel(const AccelStruct& now, const AccelStruct& before);
+    void set_header(const Buffer& header);
+    void set_texture(uint32_t slot, const Image& image, const Sampler& sampler);
+    uint32_t max_textures() const;
+    struct Data;
+    const std::shared_ptr<Data>& data() const { return data_; }
+
+private:
+    std::shared_ptr<Data> data_;
+};
+
+// One resource bound to a name of set 1.
+struct Binding {
+    uint32_t binding = 0;
+    BindingKind kind = BindingKind::StorageBuffer;
+    std::variant<Buffer, Image, AccelStruct> resource;
+    Sampler sampler;  // SampledImage only
+};
+
+// A set of (producer use -> consumer use) pairs that one memory barrier covers.
+struct BarrierScope {
+    std::vector<Use> before, after;
+};
+
+// Timestamps of one frame; two per pass.
+class TimerPool {
+public:
+    TimerPool() = default;
+    TimerPool(const DevicePtr& device, uint32_t count);
+    explicit operator bool() const { return data_ != nullptr; }
+    uint32_t count() const;
+    std::vector<double> read_ms(uint32_t count) const;  // milliseconds since the first; call after completion
+    struct Data;
+    const std::shared_ptr<Data>& data() const { return data_; }
+
+private:
+    std::shared_ptr<Data> data_;
+};
+
+class CommandList {
+public:
+    explicit CommandList(const DevicePtr& device);              // an own command buffer, begun
+    CommandList(const DevicePtr& device, VkCommandBuffer host);  // records into a host program's (already begun)
+    ~CommandList();
+    CommandList(CommandList&&) noexcept;
+    CommandList& operator=(CommandList&&) noexcept;
+
+    void begin_label(std::string_view name);
+    void end_label();
+    void barrier(const BarrierScope& scope);
+    void full_barrier();                                // everything waits for everything
+    void initialise_layout(const Image& image);         // UNDEFINED -> GENERAL, contents lost; once per own image
+
+    void bind(const Program& program, const SceneSet* scene, std::span<const Binding> bindings, std::span<const std::byte> push);
+    void dispatch(uint32_t groups_x, uint32_t groups_y, uint32_t groups_z);  // checked against the device's limits
+    void dispatch_indirect(const Buffer& args, uint64_t offset);
+    void trace(uint32_t width, uint32_t height, uint32_t depth);
+    void trace_indirect(const Buffer& args, uint64_t offset);
+
+    void copy(const Buffer& from, uint64_t from_offset, const Buffer& to, uint64_t to_offset, uint64_t bytes);
+    void copy_to_image(const Buffer& from, uint64_t offset, const Image& to, uint32_t mip, uint32_t first_row, uint32_t rows);  // tightly packed
+    void copy_from_image(const Image& from, const Buffer& to, uint64_t offset);
+    void fill(const Buffer& buffer, uint64_t offset, uint64_t bytes, uint32_t value);
+    void blit_mip(const Image& image, uint32_t from_mip);  // linear filter into from_mip + 1
+
+    void build_blas(const AccelStruct& blas, std::span<const BlasGeometry> geometries, const Buffer& scratch, uint64_t scratch_offset);
+    void build_tlas(const AccelStruct& tlas, const Buffer& instances, uint64_t offset, uint32_t count, const Buffer& scratch, uint64_t scratch_offset);
+
+    void reset_timers(const TimerPool& pool);
+    void write_timer(const TimerPool& pool, uint32_t index);
+    // Writes `value` to a mapped buffer once all earlier commands are done: tells the last completed pass after a device loss.
+    void write_marker(const Buffer& readback, uint32_t value);
+
+    struct Impl;
+    Impl& impl() { return *impl_; }
+
+private:
+    std::unique_ptr<Impl> impl_;
+};
+
+// Submits an own command list; the returned ticket tells when it is done. Resources referenced by the list must live until
+// then (Frame keeps them). Throws Error on device loss.
+using Ticket = uint64_t;
+Ticket submit(const DevicePtr& device, CommandList&& commands);
+bool is_done(const DevicePtr& device, Ticket ticket);
+// Waits for completion, at most timeout_seconds (then false). Throws Error on device loss.
+bool wait(const DevicePtr& device, Ticket ticket, double timeout_seconds = 600.0);
+
+}  // namespace parhelion::gpu

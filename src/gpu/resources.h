@@ -1,0 +1,157 @@
+#pragma once
+// Buffers, images, samplers and acceleration structures: cheap handles to shared, reference-counted GPU objects. Every object
+// has a name ("group/what"), which is its debug name and its memory group.
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "gpu/device.h"
+
+namespace parhelion::gpu {
+
+enum class Format : uint32_t {
+    Undefined, R8Unorm, Rg8Unorm, Rgba8Unorm, Rgba8Srgb, R16Float, Rg16Float, Rgba16Float, R32Float, Rg32Float, Rgba32Float, R32Uint, Rgba32Uint,
+};
+uint32_t format_bytes(Format format);  // bytes a texel
+std::string_view format_name(Format format);
+
+struct Extent {
+    uint32_t width = 1, height = 1, depth = 1;
+    friend bool operator==(const Extent&, const Extent&) = default;
+};
+
+enum class MemoryKind {
+    Device,    // fastest for the GPU, not mapped
+    Upload,    // mapped, written by the host
+    Readback,  // mapped, cached, read by the host
+};
+
+// How a command uses a resource. Frame derives barriers from it; gpu maps it to Vulkan stages and access.
+enum class Use : uint32_t {
+    ComputeRead, ComputeWrite, ComputeReadWrite,  // storage access or buffer reference in a compute shader
+    TraceRead, TraceWrite, TraceReadWrite,        // the same in ray tracing shaders
+    ComputeSample, TraceSample,                   // sampled image
+    ComputeAccel, TraceAccel,                     // acceleration structure read by a ray query / by traceRayEXT
+    IndirectRead, TransferRead, TransferWrite,
+    BuildInput,                                   // geometry or instances read by an acceleration structure build
+    BuildWrite, BuildRead, BuildScratch,          // acceleration structure written, read (TLAS over BLAS, compaction), scratch
+    HostRead, HostWrite,
+};
+bool use_writes(Use use);
+bool use_reads(Use use);
+std::string_view use_name(Use use);
+
+class Buffer {
+public:
+    Buffer() = default;
+    // All buffers can be used in every way and have a device address. Never fails silently: throws Error naming bytes and name.
+    Buffer(const DevicePtr& device, std::string name, uint64_t bytes, MemoryKind kind = MemoryKind::Device);
+
+    explicit operator bool() const { return data_ != nullptr; }
+    uint64_t bytes() const;
+    uint64_t address() const;  // device address, aligned to at least 256
+    const std::string& name() const;
+    std::byte* mapped() const;  // Upload and Readback only
+    template <class T>
+    std::span<T> mapped_as() const {
+        return {reinterpret_cast<T*>(mapped()), bytes() / sizeof(T)};
+    }
+    const void* id() const { return data_.get(); }  // identity for hazard tracking
+
+    struct Data;
+    const std::shared_ptr<Data>& data() const { return data_; }
+
+private:
+    std::shared_ptr<Data> data_;
+};
+
+struct ImageDesc {
+    Format format = Format::Rgba32Float;
+    Extent extent;
+    uint32_t mip_count = 1;
+};
+
+// Images live in the GENERAL layout from their first use on (a compute renderer writes storage images, which need it).
+class Image {
+public:
+    Image() = default;
+    Image(const DevicePtr& device, std::string name, const ImageDesc& desc);
+    // An image of the host program: it must be in GENERAL and have storage (and transfer) usage.
+    static Image borrow(const DevicePtr& device, std::string name, const ImageDesc& desc, VkImage image);
+
+    explicit operator bool() const { return data_ != nullptr; }
+    const ImageDesc& desc() const;
+    Extent extent() const { return desc().extent; }
+    const std::string& name() const;
+    const void* id() const { return data_.get(); }
+
+    struct Data;
+    const std::shared_ptr<Data>& data() const { return data_; }
+
+private:
+    std::shared_ptr<Data> data_;
+};
+
+enum class Wrap { Repeat, Mirror, Clamp };
+enum class Filter { Nearest, Linear };
+struct SamplerDesc {
+    Wrap wrap_u = Wrap::Repeat, wrap_v = Wrap::Repeat;
+    Filter mag = Filter::Linear, min = Filter::Linear, mip = Filter::Linear;
+    friend bool operator==(const SamplerDesc&, const SamplerDesc&) = default;
+};
+
+class Sampler {
+public:
+    Sampler() = default;
+    Sampler(const DevicePtr& device, const SamplerDesc& desc);  // equal descriptions share one object
+    explicit operator bool() const { return data_ != nullptr; }
+    struct Data;
+    const std::shared_ptr<Data>& data() const { return data_; }
+
+private:
+    std::shared_ptr<Data> data_;
+};
+
+// Triangles of one geometry of a bottom-level structure. Addresses are device addresses.
+struct BlasGeometry {
+    uint64_t positions = 0;  // tightly packed 3 x float32 in object space
+    uint32_t vertex_count = 0;
+    uint64_t indices = 0;  // uint32 triples
+    uint32_t triangle_count = 0;
+    bool opaque = true;  // false: any-hit runs, once per triangle
+};
+
+// One instance as Vulkan lays it out (VkAccelerationStructureInstanceKHR, 64 bytes).
+struct TlasInstance {
+    float world_from_object[12];  // row-major 3x4
+    uint32_t custom_index_and_mask;  // 24 bits custom index, 8 bits mask
+    uint32_t sbt_offset_and_flags;   // 24 bits hit group offset, 8 bits VkGeometryInstanceFlagBitsKHR
+    uint64_t blas_address;
+};
+static_assert(sizeof(TlasInstance) == 64);
+enum TlasInstanceFlags : uint32_t { kInstanceDisableCulling = 1, kInstanceFlipFacing = 2, kInstanceForceOpaque = 4, kInstanceForceNoOpaque = 8 };
+
+class AccelStruct {
+public:
+    AccelStruct() = default;
+    // Bottom level for these geometries; build it with CommandList::build_blas.
+    static AccelStruct bottom(const DevicePtr& device, std::string name, std::span<const BlasGeometry> geometries);
+    // Top level for up to max_instances instances.
+    static AccelStruct top(const DevicePtr& device, std::string name, uint32_t max_instances);
+
+    explicit operator bool() const { return data_ != nullptr; }
+    uint64_t address() const;        // for TlasInstance::blas_address
+    uint64_t bytes() const;
+    uint64_t scratch_bytes() const;  // for a build, alignment included
+    const std::string& name() const;
+    const void* id() const { return data_.get(); }
+
+    struct Data;
+    const std::shared_ptr<Data>& data() const { return data_; }
+
+private:
+    std::shared_ptr<Data> data_;
+};
+
+}  // namespace parhelion::gpu
