@@ -1,0 +1,75 @@
+# Shaders: every entry file is compiled by glslc in each of its declared variants, with dependencies and warnings as errors,
+# checked by spirv-val, reflected and joined into one pack by tools/shader_pack.cpp.
+#
+#   name.comp                     a compute pass
+#   name.trace                    a tracing pass: compiled in all three ways (query, compute, pipeline)
+#   name.rchit|.rahit|.rmiss      the scene's hit shaders
+#   a line "// variants: A B"     also compiled with -DA and with -DB
+set(PARHELION_SHADER_ROOT ${CMAKE_SOURCE_DIR}/shaders)
+
+add_executable(shader_pack tools/shader_pack.cpp)
+target_include_directories(shader_pack SYSTEM PRIVATE ${SPIRV_CROSS_INCLUDE_DIR})
+target_link_libraries(shader_pack PRIVATE ${SPIRV_CROSS_LIBRARY} parhelion_options fmt::fmt)
+add_executable(embed_file tools/embed_file.cpp)
+target_link_libraries(embed_file PRIVATE parhelion_options)
+
+# Compiles one source into one .spv; appends "stage name variant path" to the manifest and the file to the outputs.
+function(parhelion_compile_shader source name variant stage)
+    string(MAKE_C_IDENTIFIER "${name}.${variant}.${stage}" id)
+    set(spv ${shader_dir}/${id}.spv)
+    add_custom_command(OUTPUT ${spv}
+        COMMAND ${Vulkan_GLSLC_EXECUTABLE} --target-env=vulkan1.3 -Werror -g0 -fshader-stage=${stage} ${ARGN}
+            -I ${PARHELION_SHADER_ROOT} -I ${CMAKE_SOURCE_DIR}/src/passes -MD -MF ${spv}.d -o ${spv} ${source}
+        COMMAND ${SPIRV_VAL} --target-env vulkan1.3 --scalar-block-layout ${spv}
+        DEPENDS ${source} DEPFILE ${spv}.d COMMENT "Shader ${name} ${variant}" VERBATIM)
+    set(shader_outputs ${shader_outputs} ${spv} PARENT_SCOPE)
+    set(shader_manifest "${shader_manifest}${name}\t${variant}\t${stage}\t${spv}\n" PARENT_SCOPE)
+endfunction()
+
+# parhelion_shader_pack(PACK roots...): PACK.pack in the build folder and a library parhelion_PACK_embedded with its bytes.
+function(parhelion_shader_pack pack)
+    set(shader_dir ${CMAKE_BINARY_DIR}/shaders/${pack})
+    file(MAKE_DIRECTORY ${shader_dir})
+    set(shader_outputs)
+    set(shader_manifest)
+    foreach(root ${ARGN})
+        get_filename_component(prefix ${root} NAME)
+        file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${root}/*.comp ${root}/*.trace ${root}/*.rchit ${root}/*.rahit ${root}/*.rmiss)
+        foreach(source ${sources})
+            file(RELATIVE_PATH path ${root} ${source})
+            string(REGEX REPLACE "\\.[a-z]+$" "" name ${path})
+            if(NOT prefix STREQUAL "passes")
+                set(name ${prefix}/${name})
+            endif()
+            string(REGEX MATCH "[a-z]+$" kind ${source})
+            file(STRINGS ${source} declared REGEX "^// variants: ")
+            string(REGEX REPLACE "^// variants: " "" declared "${declared}")
+            separate_arguments(declared)
+            foreach(define "" ${declared})
+                set(flags)
+                set(suffix)
+                if(define)
+                    set(flags -D${define})
+                    set(suffix "+${define}")
+                endif()
+                if(kind STREQUAL "comp")
+                    parhelion_compile_shader(${source} ${name} "${suffix}" compute ${flags})
+                elseif(kind STREQUAL "trace")
+                    parhelion_compile_shader(${source} ${name} "query${suffix}" compute -DTRACE_QUERY ${flags})
+                    parhelion_compile_shader(${source} ${name} "compute${suffix}" compute -DTRACE_COMPUTE ${flags})
+                    parhelion_compile_shader(${source} ${name} "pipeline${suffix}" rgen -DTRACE_PIPELINE ${flags})
+                else()
+                    parhelion_compile_shader(${source} ${name} "${suffix}" ${kind} -DTRACE_PIPELINE ${flags})
+                endif()
+            endforeach()
+        endforeach()
+    endforeach()
+    file(CONFIGURE OUTPUT ${shader_dir}/manifest.tsv CONTENT "${shader_manifest}" @ONLY)
+    add_custom_command(OUTPUT ${shader_dir}/${pack}.pack
+        COMMAND shader_pack ${shader_dir}/manifest.tsv ${shader_dir}/${pack}.pack
+        DEPENDS shader_pack ${shader_outputs} ${shader_dir}/manifest.tsv VERBATIM)
+    add_custom_command(OUTPUT ${shader_dir}/${pack}.cpp
+        COMMAND embed_file ${shader_dir}/${pack}.pack ${shader_dir}/${pack}.cpp ${pack}
+        DEPENDS embed_file ${shader_dir}/${pack}.pack VERBATIM)
+    add_library(parhelion_${pack}_embedded STATIC ${shader_dir}/${pack}.cpp)
+endfunction()

@@ -1,0 +1,195 @@
+#include "frame/frame.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "base/error.h"
+#include "base/log.h"
+
+namespace parhelion {
+
+using gpu::Use;
+
+namespace {
+
+constexpr uint32_t kMaxTimedPasses = 512;
+constexpr UseMask kEveryUse = ~0u;
+
+}  // namespace
+
+Frame::Frame(gpu::DevicePtr device, const FrameOptions& options, const gpu::ShaderPack& pack)
+    : device_(std::move(device)), options_(options), pack_(pack) {
+    if (options_.markers) marker_ = gpu::Buffer(device_, "frame/marker", 256, gpu::MemoryKind::Readback);
+}
+
+Frame::~Frame() {
+    try {
+        for (const InFlight& frame : in_flight_)
+            if (frame.ticket != 0) gpu::wait(device_, frame.ticket);
+    } catch (const std::exception& error) {
+        log(LogLevel::Debug, "while ending a frame: {}", error.what());
+    }
+}
+
+gpu::Image Frame::image(const std::string& name, gpu::Extent extent, gpu::Format format) {
+    gpu::Image& slot = images_[name];
+    if (!slot || slot.extent() != extent || slot.desc().format != format) slot = gpu::Image(device_, name, {.format = format, .extent = extent});
+    return slot;
+}
+
+gpu::Buffer Frame::buffer(const std::string& name, uint64_t bytes) {
+    gpu::Buffer& slot = buffers_[name];
+    if (!slot || slot.bytes() != bytes) slot = gpu::Buffer(device_, name, bytes);
+    return slot;
+}
+
+History<gpu::Image> Frame::history(const std::string& name, gpu::Extent extent, gpu::Format format) {
+    const std::string now_name = fmt::format("{}.{}", name, serial_ % 2), before_name = fmt::format("{}.{}", name, 1 - serial_ % 2);
+    const auto existing = images_.find(before_name);
+    const bool same = existing != images_.end() && existing->second && existing->second.extent() == extent && existing->second.desc().format == format;
+    const auto written = history_written_.find(name);
+    const bool valid = same && written != history_written_.end() && written->second + 1 == serial_;
+    history_written_[name] = serial_;
+    return {image(now_name, extent, format), image(before_name, extent, format), valid};
+}
+
+void Frame::reset_history(std::string_view reason) {
+    if (!history_written_.empty()) log(LogLevel::Debug, "history reset: {}", reason);
+    history_written_.clear();
+}
+
+Pass Frame::compute(std::string_view name, std::string_view defines) {
+    return {*this, gpu::Program::get(device_, pack_, name, defines, false), false};
+}
+
+Pass Frame::trace(std::string_view name, gpu::TraceWay way, std::string_view defines) {
+    const bool pipeline = way == gpu::TraceWay::Pipeline;
+    return {*this, gpu::Program::get(device_, pack_, name, fmt::format("{}{}", gpu::trace_way_name(way), defines), pipeline), pipeline};
+}
+
+void Frame::add(Record record) { records_.push_back(std::move(record)); }
+
+// Emits the barrier that `record` needs, if any, and notes its accesses.
+void Frame::order(const Record& record, gpu::CommandList& commands) {
+    UseMask before = 0, after = 0;
+    for (const Access& access : record.accesses) {
+        const Hazard hazard = tracker_.find(access);
+        before |= hazard.before;
+        if (hazard.exists()) after |= use_bit(access.use);
+    }
+    if (options_.full_barriers) {
+        commands.full_barrier();
+        tracker_.add_barrier(kEveryUse, kEveryUse);
+    } else if (before != 0 && static_cast<int>(barrier_count_++) != options_.skip_barrier) {
+        gpu::BarrierScope scope;
+        for (uint32_t u = 0; u < 32; ++u) {
+            if (before >> u & 1) scope.before.push_back(static_cast<Use>(u));
+            if (after >> u & 1) scope.after.push_back(static_cast<Use>(u));
+        }
+        commands.barrier(scope);
+        tracker_.add_barrier(before, after);
+    }
+    for (const Access& access : record.accesses)
+        if (tracker_.find(access).exists())
+            complaints_.push_back(fmt::format("{}: {} of {} is not ordered after an earlier access", record.info.name, gpu::use_name(access.use), *access.name));
+    for (const Access& access : record.accesses) tracker_.add_access(access);
+}
+
+uint64_t Frame::record(gpu::CommandList& commands) {
+    InFlight frame{.serial = serial_};
+    barrier_count_ = 0;
+    const uint32_t timed = options_.timers && device_->caps().timestamp_period_ns > 0 ? std::min<uint32_t>(static_cast<uint32_t>(records_.size()), kMaxTimedPasses) : 0;
+    if (timed != 0) {
+        frame.timers = gpu::TimerPool(device_, 2 * timed);
+        commands.reset_timers(frame.timers);
+    }
+    listing_.clear();
+    for (uint32_t i = 0; i < records_.size(); ++i) {
+        const Record& record = records_[i];
+        commands.begin_label(record.info.name);
+        for (const gpu::Image& image : record.images) commands.initialise_layout(image);
+        order(record, commands);
+        if (i < timed) commands.write_timer(frame.timers, 2 * i);
+        record.launch(commands);
+        if (i < timed) commands.write_timer(frame.timers, 2 * i + 1);
+        if (marker_) commands.write_marker(marker_, i + 1);
+        commands.end_label();
+        listing_.push_back(record.info);
+    }
+    tracker_.compact();
+    frame.kept = std::move(kept_);
+    kept_.clear();
+    records_.clear();
+    in_flight_.push_back(std::move(frame));
+    recorded_serial_ = serial_;
+    return serial_++;
+}
+
+void Frame::retire(uint64_t serial) {
+    std::erase_if(in_flight_, [&](InFlight& frame) {
+        if (frame.serial > serial) return false;
+        for (const std::shared_ptr<void>& object : frame.kept)
+            if (object.use_count() == 1) tracker_.forget(object.get());
+        return true;
+    });
+}
+
+gpu::Ticket Frame::submit() {
+    if (marker_) *marker_.mapped_as<uint32_t>().data() = 0;
+    gpu::CommandList commands(device_);
+    record(commands);
+    try {
+        return in_flight_.back().ticket = gpu::submit(device_, std::move(commands));
+    } catch (const Error& error) {
+        report_loss(error);
+    }
+}
+
+void Frame::wait(gpu::Ticket ticket) {
+    try {
+        if (!gpu::wait(device_, ticket)) throw Error(ErrorCode::Failed, "the device did not finish a frame within ten minutes", device_->caps().name);
+    } catch (const Error& error) {
+        report_loss(error);
+    }
+    for (const InFlight& frame : in_flight_) {
+        if (frame.ticket != ticket) continue;
+        if (frame.serial == recorded_serial_) read_timers(frame);
+        const uint64_t serial = frame.serial;
+        retire(serial);
+        return;
+    }
+}
+
+void Frame::read_timers(const InFlight& frame) {
+    if (!frame.timers) return;
+    const std::vector<double> times = frame.timers.read_ms(frame.timers.count());
+    for (size_t i = 0; 2 * i + 1 < times.size(); ++i) listing_[i].gpu_ms = times[2 * i + 1] - times[2 * i];
+}
+
+void Frame::report_loss(const std::exception& cause) {
+    const uint32_t completed = marker_ ? *marker_.mapped_as<uint32_t>().data() : 0;
+    std::string where = completed == 0 ? "before its first pass" : completed <= listing_.size() ? "after pass " + listing_[completed - 1].name : "after its last pass";
+    for (InFlight& frame : in_flight_) frame.ticket = 0;
+    const auto* error = dynamic_cast<const Error*>(&cause);
+    throw Error(ErrorCode::Failed, fmt::format("{}; the frame had come to {}", error ? error->problem : cause.what(), where), device_->caps().name,
+                "a smaller --size or another --device may work");
+}
+
+std::string Frame::listing(bool with_times) const {
+    const auto joined = [](const std::vector<std::string>& names) {
+        std::string out;
+        for (const std::string& name : names) out += (out.empty() ? "" : " ") + name;
+        return out.empty() ? std::string("-") : out;
+    };
+    std::string out;
+    for (size_t i = 0; i < listing_.size(); ++i) {
+        const PassInfo& pass = listing_[i];
+        out += fmt::format("{:>3}  {:<28} {:<10} {:<10} reads: {}; writes: {}", i + 1, pass.name, pass.variant.empty() ? "-" : pass.variant,
+                           pass.extent.empty() ? "-" : pass.extent, joined(pass.reads), joined(pass.writes));
+        if (with_times) out += fmt::format("; {:.3f} ms", pass.gpu_ms);
+        out += '\n';
+    }
+    return out;
+}
+
+}  // namespace parhelion

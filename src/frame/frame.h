@@ -1,0 +1,183 @@
+#pragma once
+// A frame is a list of passes. A pass is recorded by name with its resources bound by name; Frame checks the names against the
+// shader's reflection in both directions, finds the barriers, keeps resources alive while the GPU uses them, measures and lists.
+//
+//     gpu::Image ldr = frame.image("post/tonemap.ldr", hdr.extent(), gpu::Format::Rgba8Unorm);
+//     frame.compute("post/tonemap").read("hdr", hdr).write("ldr", ldr).push(TonemapPush{scale}).over(ldr.extent());
+//
+// Passes run in call order. Nothing reaches the GPU before record() or submit().
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "frame/hazard.h"
+#include "gpu/command_list.h"
+
+namespace parhelion {
+
+class Frame;
+
+struct FrameOptions {
+    bool full_barriers = false;  // everything waits for everything: pictures must not change
+    int skip_barrier = -1;       // leaves the n-th barrier of a frame out (tests of the hazard tracker)
+    bool timers = true;          // GPU milliseconds per pass
+    bool markers = true;         // remembers the last completed pass, reported when the device is lost
+};
+
+// One row of the recorded frame.
+struct PassInfo {
+    std::string name;     // shader path, debug label, timing row, listing row
+    std::string variant;  // way to trace and defines
+    std::vector<std::string> reads, writes;
+    std::string extent;  // "1280x720", "indirect", "" for copies
+    double gpu_ms = 0;   // after completion
+};
+
+// Set 0 with everything that shaders reach through it.
+struct SceneBinding {
+    gpu::SceneSet set;
+    std::vector<gpu::Buffer> buffers;
+    std::vector<gpu::Image> textures;
+    std::vector<gpu::AccelStruct> accels;
+};
+
+// A resource that outlives the frame: this frame's and last frame's instance.
+template <class T>
+struct History {
+    T now, before;
+    bool valid = false;  // `before` holds data
+};
+
+// The builder of one pass. over(), over_indirect() end it.
+class Pass {
+public:
+    Pass& read(std::string_view name, const gpu::Buffer& buffer);
+    Pass& write(std::string_view name, const gpu::Buffer& buffer);
+    Pass& read_write(std::string_view name, const gpu::Buffer& buffer);
+    Pass& read(std::string_view name, const gpu::Image& image);
+    Pass& write(std::string_view name, const gpu::Image& image);
+    Pass& read_write(std::string_view name, const gpu::Image& image);
+    Pass& sample(std::string_view name, const gpu::Image& image, const gpu::Sampler& sampler);
+    Pass& scene(const SceneBinding& scene);
+    // The push constant block, a struct of shaders/shared. Members that are buffer references are filled in by the bindings.
+    template <class T>
+    Pass& push(const T& block) {
+        return push_bytes(&block, sizeof(T));
+    }
+    void over(uint32_t width, uint32_t height = 1, uint32_t depth = 1);  // invocations; divided by the local size
+    void over(gpu::Extent extent) { over(extent.width, extent.height, extent.depth); }
+    void over_indirect(const gpu::Buffer& args, uint64_t offset);
+
+private:
+    friend class Frame;
+    struct Bound {
+        std::string name;
+        std::variant<gpu::Buffer, gpu::Image> resource;
+        gpu::Sampler sampler;
+        bool reads, writes;
+    };
+    Pass(Frame& frame, gpu::Program program, bool ray_tracing) : frame_(frame), program_(std::move(program)), ray_tracing_(ray_tracing) {}
+    Pass& bind(std::string_view name, std::variant<gpu::Buffer, gpu::Image> resource, bool reads, bool writes, const gpu::Sampler& sampler = {});
+    Pass& push_bytes(const void* data, size_t bytes);
+    gpu::Use use(bool reads, bool writes) const;
+    void resolve(std::vector<gpu::Binding>& bindings, std::vector<Access>& accesses);
+    void finish(std::string extent, std::function<void(gpu::CommandList&)> launch, std::vector<Access> accesses);
+
+    Frame& frame_;
+    gpu::Program program_;
+    bool ray_tracing_;
+    std::vector<Bound> bound_;
+    std::vector<std::byte> push_;
+    const SceneBinding* scene_ = nullptr;
+};
+
+class Frame {
+public:
+    explicit Frame(gpu::DevicePtr device, const FrameOptions& options = {}, const gpu::ShaderPack& pack = gpu::ShaderPack::builtin());
+    ~Frame();
+    Frame(const Frame&) = delete;
+    Frame& operator=(const Frame&) = delete;
+
+    const gpu::DevicePtr& device() const { return device_; }
+
+    // Resources of this Frame by name: the same call gives the same object until extent, format or size change.
+    gpu::Image image(const std::string& name, gpu::Extent extent, gpu::Format format);
+    gpu::Buffer buffer(const std::string& name, uint64_t bytes);
+    // Two instances that change places every frame. Changed extents and reset_history() make `before` invalid.
+    History<gpu::Image> history(const std::string& name, gpu::Extent extent, gpu::Format format);
+    void reset_history(std::string_view reason);
+
+    // A compute pass; a tracing pass in one of the three ways. `defines`: "+DEFINE" for a declared variant.
+    Pass compute(std::string_view name, std::string_view defines = {});
+    Pass trace(std::string_view name, gpu::TraceWay way, std::string_view defines = {});
+
+    // Transfers and builds are passes too.
+    void upload(const gpu::Buffer& to, uint64_t offset, std::span<const std::byte> bytes);
+    void upload_image(const gpu::Image& to, std::span<const std::byte> texels);  // mip 0, tightly packed rows
+    void make_mips(const gpu::Image& image);
+    void fill(const gpu::Buffer& buffer, uint32_t value);
+    void copy(const gpu::Buffer& from, uint64_t from_offset, const gpu::Buffer& to, uint64_t to_offset, uint64_t bytes);
+    gpu::Buffer read_back(const gpu::Buffer& from);  // mapped copy, valid after completion
+    gpu::Buffer read_back(const gpu::Image& from);
+    void build_blas(const gpu::AccelStruct& blas, std::vector<gpu::BlasGeometry> geometries, std::vector<gpu::Buffer> inputs);
+    void build_tlas(const gpu::AccelStruct& tlas, const gpu::Buffer& instances, uint32_t count, std::span<const gpu::AccelStruct> bottoms);
+
+    // Ends the frame by recording it into `commands`, in order, with barriers. The caller submits, and says with
+    // retire(serial) that the GPU has finished the frame; until then its resources are kept. Returns the frame's serial.
+    uint64_t record(gpu::CommandList& commands);
+    void retire(uint64_t serial);
+    // Ends the frame: records and submits on the device's queue, does not wait.
+    gpu::Ticket submit();
+    // Waits, retires, reads the timers. Device loss: the Error names the last completed pass.
+    void wait(gpu::Ticket ticket);
+    void run() { wait(submit()); }
+
+    // The last recorded frame; times are there after wait().
+    const std::vector<PassInfo>& passes() const { return listing_; }
+    std::string listing(bool with_times = false) const;  // as `render --list-frame` prints it
+    uint32_t barrier_count() const { return barrier_count_; }
+    const std::vector<std::string>& complaints() const { return complaints_; }  // unordered accesses that were recorded
+
+private:
+    friend class Pass;
+    struct Record {
+        PassInfo info;
+        std::vector<Access> accesses;
+        std::vector<gpu::Image> images;  // that may need their first layout
+        std::function<void(gpu::CommandList&)> launch;
+    };
+    struct InFlight {
+        uint64_t serial = 0;
+        gpu::Ticket ticket = 0;
+        std::vector<std::shared_ptr<void>> kept;
+        gpu::TimerPool timers;
+    };
+    void add(Record record);
+    void keep(std::shared_ptr<void> object) { kept_.push_back(std::move(object)); }
+    void order(const Record& record, gpu::CommandList& commands);
+    void read_timers(const InFlight& frame);
+    [[noreturn]] void report_loss(const std::exception& cause);
+
+    gpu::DevicePtr device_;
+    FrameOptions options_;
+    const gpu::ShaderPack& pack_;
+    HazardTracker tracker_;
+    std::vector<Record> records_;
+    std::vector<std::shared_ptr<void>> kept_;
+    std::vector<InFlight> in_flight_;
+    std::map<std::string, gpu::Image> images_;
+    std::map<std::string, gpu::Buffer> buffers_;
+    std::map<std::string, uint64_t> history_written_;  // frame serial that last wrote each history
+    std::vector<PassInfo> listing_;
+    std::vector<std::string> complaints_;
+    gpu::Buffer marker_;
+    uint32_t barrier_count_ = 0;
+    uint64_t serial_ = 1, recorded_serial_ = 0;
+};
+
+}  // namespace parhelion

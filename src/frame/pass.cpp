@@ -1,0 +1,153 @@
+#include <algorithm>
+#include <cstring>
+
+#include "frame/frame.h"
+
+namespace parhelion {
+
+using gpu::Binding;
+using gpu::BindingKind;
+using gpu::Use;
+
+namespace {
+
+std::string joined(const std::vector<std::string>& names) {
+    std::string out;
+    for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
+    return out.empty() ? "nothing" : out;
+}
+
+const void* id_of(const std::variant<gpu::Buffer, gpu::Image>& resource) {
+    return std::visit([](const auto& r) { return r.id(); }, resource);
+}
+const std::string& name_of(const std::variant<gpu::Buffer, gpu::Image>& resource) {
+    return std::visit([](const auto& r) -> const std::string& { return r.name(); }, resource);
+}
+
+}  // namespace
+
+Pass& Pass::bind(std::string_view name, std::variant<gpu::Buffer, gpu::Image> resource, bool reads, bool writes, const gpu::Sampler& sampler) {
+    PARHELION_CHECK(id_of(resource) != nullptr, "pass {}: '{}' is bound to an empty resource", program_.code().name, name);
+    bound_.push_back({std::string(name), std::move(resource), sampler, reads, writes});
+    return *this;
+}
+Pass& Pass::read(std::string_view name, const gpu::Buffer& buffer) { return bind(name, buffer, true, false); }
+Pass& Pass::write(std::string_view name, const gpu::Buffer& buffer) { return bind(name, buffer, false, true); }
+Pass& Pass::read_write(std::string_view name, const gpu::Buffer& buffer) { return bind(name, buffer, true, true); }
+Pass& Pass::read(std::string_view name, const gpu::Image& image) { return bind(name, image, true, false); }
+Pass& Pass::write(std::string_view name, const gpu::Image& image) { return bind(name, image, false, true); }
+Pass& Pass::read_write(std::string_view name, const gpu::Image& image) { return bind(name, image, true, true); }
+Pass& Pass::sample(std::string_view name, const gpu::Image& image, const gpu::Sampler& sampler) { return bind(name, image, true, false, sampler); }
+
+Pass& Pass::scene(const SceneBinding& scene) {
+    scene_ = &scene;
+    return *this;
+}
+
+Pass& Pass::push_bytes(const void* data, size_t bytes) {
+    PARHELION_CHECK(bytes == program_.code().push_bytes, "pass {} {}: the push constants are {} bytes, the shader declares {}", program_.code().name,
+                    program_.code().variant, bytes, program_.code().push_bytes);
+    push_.resize(bytes);
+    std::memcpy(push_.data(), data, bytes);
+    return *this;
+}
+
+Use Pass::use(bool reads, bool writes) const {
+    if (ray_tracing_) return reads && writes ? Use::TraceReadWrite : writes ? Use::TraceWrite : Use::TraceRead;
+    return reads && writes ? Use::ComputeReadWrite : writes ? Use::ComputeWrite : Use::ComputeRead;
+}
+
+// Matches what is bound against what the shader declares, both ways, names and access.
+void Pass::resolve(std::vector<Binding>& bindings, std::vector<Access>& accesses) {
+    const gpu::ShaderCode& code = program_.code();
+    std::vector<std::string> missing, access_errors;
+    std::vector<bool> used(bound_.size(), false);
+    const auto take = [&](const std::string& name, bool reads, bool writes, Bound*& bound) {
+        bound = nullptr;
+        for (size_t i = 0; i < bound_.size(); ++i)
+            if (bound_[i].name == name && !used[i]) used[i] = true, bound = &bound_[i];
+        if (!bound) missing.push_back(name);
+        else if (bound->reads != reads || bound->writes != writes)
+            access_errors.push_back(fmt::format("{} (the shader {}{}{})", name, reads ? "reads" : "", reads && writes ? " and " : "", writes ? "writes" : ""));
+        return bound != nullptr;
+    };
+    for (const gpu::ShaderBinding& declared : code.bindings) {
+        Bound* bound = nullptr;
+        if (declared.set != 1 || !take(declared.name, declared.reads, declared.writes, bound)) continue;
+        Binding binding{declared.binding, declared.kind, {}, bound->sampler};
+        std::visit([&](const auto& resource) { binding.resource = resource; }, bound->resource);
+        bindings.push_back(std::move(binding));
+        const bool sampled = declared.kind == BindingKind::SampledImage;
+        accesses.push_back({id_of(bound->resource), sampled ? (ray_tracing_ ? Use::TraceSample : Use::ComputeSample) : use(declared.reads, declared.writes),
+                            &name_of(bound->resource)});
+    }
+    for (const gpu::PushPointer& pointer : code.push_pointers) {
+        Bound* bound = nullptr;
+        if (!take(pointer.name, pointer.reads, pointer.writes, bound)) continue;
+        const auto* buffer = std::get_if<gpu::Buffer>(&bound->resource);
+        PARHELION_CHECK(buffer, "pass {}: '{}' is an address in the shader and needs a buffer", code.name, pointer.name);
+        PARHELION_CHECK(push_.size() >= pointer.offset + sizeof(uint64_t), "pass {}: push() is missing", code.name);
+        const uint64_t address = buffer->address();
+        std::memcpy(push_.data() + pointer.offset, &address, sizeof(address));
+        accesses.push_back({buffer->id(), use(pointer.reads, pointer.writes), &buffer->name()});
+    }
+    std::vector<std::string> unknown;
+    for (size_t i = 0; i < bound_.size(); ++i)
+        if (!used[i]) unknown.push_back(bound_[i].name);
+    PARHELION_CHECK(missing.empty() && unknown.empty() && access_errors.empty(),
+                    "pass {} {}: not bound: {}; bound but not declared in the shader: {}; bound with another access: {}", code.name, code.variant,
+                    joined(missing), joined(unknown), joined(access_errors));
+    PARHELION_CHECK(push_.size() == code.push_bytes, "pass {}: push() is missing", code.name);
+    PARHELION_CHECK(program_.uses_scene_set() == (scene_ != nullptr), "pass {} {}: {}", code.name, code.variant,
+                    scene_ ? "scene() is given but the shader declares nothing in set 0" : "the shader sees the scene; scene() is missing");
+}
+
+void Pass::finish(std::string extent, std::function<void(gpu::CommandList&)> launch, std::vector<Access> accesses) {
+    std::vector<Binding> bindings;
+    resolve(bindings, accesses);
+    Frame::Record record;
+    record.info.name = program_.code().name;
+    record.info.variant = program_.code().variant;
+    record.info.extent = std::move(extent);
+    for (const Bound& bound : bound_) {
+        std::visit([&](const auto& r) { frame_.keep(r.data()); }, bound.resource);
+        if (const auto* image = std::get_if<gpu::Image>(&bound.resource)) record.images.push_back(*image);
+        if (bound.reads) record.info.reads.push_back(name_of(bound.resource));
+        if (bound.writes) record.info.writes.push_back(name_of(bound.resource));
+    }
+    std::optional<gpu::SceneSet> set;
+    if (scene_) {
+        record.info.reads.push_back("scene");
+        set = scene_->set;
+        frame_.keep(set->data());
+        for (const gpu::Buffer& buffer : scene_->buffers) accesses.push_back({buffer.id(), use(true, false), &buffer.name()}), frame_.keep(buffer.data());
+        for (const gpu::Image& image : scene_->textures)
+            accesses.push_back({image.id(), ray_tracing_ ? Use::TraceSample : Use::ComputeSample, &image.name()}), frame_.keep(image.data());
+        for (const gpu::AccelStruct& accel : scene_->accels)
+            accesses.push_back({accel.id(), ray_tracing_ ? Use::TraceAccel : Use::ComputeAccel, &accel.name()}), frame_.keep(accel.data());
+    }
+    frame_.keep(program_.data());
+    record.accesses = std::move(accesses);
+    record.launch = [program = program_, set, bindings = std::move(bindings), push = push_, launch = std::move(launch)](gpu::CommandList& commands) {
+        commands.bind(program, set ? &*set : nullptr, bindings, push);
+        launch(commands);
+    };
+    frame_.add(std::move(record));
+}
+
+void Pass::over(uint32_t width, uint32_t height, uint32_t depth) {
+    std::string extent = fmt::format("{}x{}", width, height) + (depth > 1 ? fmt::format("x{}", depth) : "");
+    if (ray_tracing_) return finish(std::move(extent), [=](gpu::CommandList& commands) { commands.trace(width, height, depth); }, {});
+    const uint32_t* local = program_.code().local_size;
+    const uint32_t x = (width + local[0] - 1) / local[0], y = (height + local[1] - 1) / local[1], z = (depth + local[2] - 1) / local[2];
+    finish(std::move(extent), [=](gpu::CommandList& commands) { commands.dispatch(x, y, z); }, {});
+}
+
+void Pass::over_indirect(const gpu::Buffer& args, uint64_t offset) {
+    frame_.keep(args.data());
+    finish("indirect",
+           [args, offset, rays = ray_tracing_](gpu::CommandList& commands) { rays ? commands.trace_indirect(args, offset) : commands.dispatch_indirect(args, offset); },
+           {{args.id(), Use::IndirectRead, &args.name()}});
+}
+
+}  // namespace parhelion
