@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "base/error.h"
 #include "frame/frame.h"
 
 namespace parhelion {
