@@ -71,8 +71,69 @@ struct Material {
     float alpha_cutoff;
     float ior;
     float transmission;
+    float specular;  // KHR_materials_specular; 0: a pure Lambert surface
     uint flags;
     TextureRef base_color_texture, metal_rough_texture, normal_texture, emissive_texture;
+};
+
+// Emitter::kind
+SHARED_CONST uint kEmitterMesh = 0u;         // emissive triangles of one instance's geometry
+SHARED_CONST uint kEmitterPoint = 1u;
+SHARED_CONST uint kEmitterSpot = 2u;
+SHARED_CONST uint kEmitterDirectional = 3u;  // infinitely far; a disk of angular radius `angle` (0: a delta light)
+SHARED_CONST uint kEmitterEnvironment = 4u;
+
+// The top level of the light table. Light ids are (emitter, triangle).
+struct Emitter {
+    uint kind;
+    uint instance;        // mesh
+    uint geometry;        // mesh: index in the geometry table
+    uint triangle_count;  // mesh
+    uint triangle_table;  // mesh: offset of its AliasEntry rows
+    vec3 position_ws;     // point, spot: metres
+    vec3 direction_ws;    // spot, directional: where the light goes, unit
+    vec3 intensity;       // point, spot: candela; directional: lux on a surface that faces it
+    float cos_inner, cos_outer;
+    float angle;
+};
+
+// One row of an alias table (Vose 1991): a bin keeps itself with `probability`, else gives `alias`; `pmf` is its own share.
+struct AliasEntry {
+    float probability;
+    uint alias;
+    float pmf;
+};
+
+// Equirectangular environment: u grows with the azimuth, v from +Y (0) to -Y (1). Radiance is the bilinear texture times
+// `scale`; the alias table has `table_width` x `table_height` cells, each a rectangle in (azimuth, cosine of the polar angle).
+struct Environment {
+    vec3 scale;
+    uint texture;  // slot, kNone: constant radiance `scale`
+    float rotation_sin, rotation_cos;
+    uint table_width, table_height;
+    uint emitter;  // its row in the emitter table, kNone: black
+};
+
+struct SceneHeader {
+    uint64_t instances;          // Instance[]
+    uint64_t geometries;         // Geometry[]
+    uint64_t materials;          // Material[]
+    uint64_t geometry_emitters;  // uint[]: emitter of (instance.emitter_base + geometry of the mesh), kNone if it does not emit
+    uint64_t emitters;           // Emitter[]
+    uint64_t emitter_table;      // AliasEntry[emitter_count]
+    uint64_t triangle_tables;    // AliasEntry[], one table per emissive geometry, in object space
+    uint64_t environment_table;  // AliasEntry[table_width * table_height]
+    uint64_t bottom_nodes;       // own BVH
+    uint64_t bottom_triangles;
+    uint64_t top_nodes;
+    uint64_t top_items;
+    uint64_t sobol;              // uint[kSobolDimensions * 32]
+    uint64_t blue_noise;         // uint[128 * 128 / 2], two 16-bit ranks a word
+    uint emitter_count;
+    uint instance_count;
+    uint culling;                // 1: single-sided surfaces are invisible from behind
+    float diameter;              // metres, of the scene's bounding sphere
+    Environment environment;
 };
 
 SHARED_END

@@ -1,0 +1,94 @@
+// The surface's scattering: Lambert under a GGX coat, metallic or dielectric, as glTF's metallic-roughness model.
+// A triple sample / pdf / eval in the shading frame (z = shading normal on the side of wo).
+#ifndef PARHELION_LIB_BSDF_GLSL
+#define PARHELION_LIB_BSDF_GLSL
+#include "lib/color.glsl"
+#include "lib/microfacet.glsl"
+#include "lib/warp.glsl"
+
+const uint kLobeDiffuse = 0u;
+const uint kLobeSpecular = 1u;
+const uint kLobeTransmission = 2u;
+const uint kLobeNone = 3u;
+
+struct Bsdf {
+    vec3 diffuse;  // albedo of the Lambert lobe
+    vec3 f0;       // reflectance of the GGX lobe at normal incidence; black with f90 = 0: no such lobe
+    float f90;
+    float alpha;   // GGX width
+};
+
+// Value times cosine, by lobe (path-space classes).
+struct BsdfValue {
+    vec3 diffuse, specular;
+};
+
+struct BsdfSample {
+    vec3 wi;
+    vec3 weight;  // f cos / pdf of all lobes together
+    float pdf;    // per solid angle, of all lobes together
+    uint lobe;    // kLobeNone: absorbed
+};
+
+// Below this perceptual roughness the lobe is as narrow as single precision resolves.
+const float kMinAlpha = 1e-3;
+
+// ior and `specular` as KHR_materials_ior and KHR_materials_specular define them.
+Bsdf make_bsdf(vec3 base_color, float metallic, float roughness, float ior, float specular) {
+    const float r = (ior - 1.0) / (ior + 1.0);
+    Bsdf bsdf;
+    bsdf.diffuse = base_color * (1.0 - metallic);
+    bsdf.f0 = mix(vec3(r * r * specular), base_color, metallic);
+    bsdf.f90 = mix(specular, 1.0, metallic);
+    bsdf.alpha = max(roughness * roughness, kMinAlpha);
+    return bsdf;
+}
+
+// Share of samples given to the specular lobe, from what each would return towards wo.
+float specular_share(Bsdf bsdf, float cos_o) {
+    const float s = luminance(fresnel_schlick(bsdf.f0, bsdf.f90, cos_o));
+    const float d = luminance(bsdf.diffuse) * (1.0 - s);
+    if (s + d <= 0.0) return 0.0;
+    if (bsdf.f90 == 0.0) return 0.0;
+    return d <= 0.0 ? 1.0 : clamp(s / (s + d), 0.1, 0.9);
+}
+
+BsdfValue eval_bsdf(Bsdf bsdf, vec3 wo, vec3 wi) {
+    BsdfValue value = BsdfValue(vec3(0.0), vec3(0.0));
+    if (wi.z <= 0.0 || wo.z <= 0.0) return value;
+    const vec3 h = normalize(wo + wi);
+    const vec3 f = fresnel_schlick(bsdf.f0, bsdf.f90, dot(wi, h));
+    value.diffuse = bsdf.diffuse * (vec3(1.0) - f) * (wi.z / kPi);
+    if (bsdf.f90 > 0.0) value.specular = f * (ggx_distribution(h.z, bsdf.alpha) * ggx_visibility(wi.z, wo.z, bsdf.alpha) * wi.z);
+    return value;
+}
+
+float pdf_bsdf_solid_angle(Bsdf bsdf, vec3 wo, vec3 wi) {
+    if (wi.z <= 0.0 || wo.z <= 0.0) return 0.0;
+    const float share = specular_share(bsdf, wo.z);
+    float pdf = (1.0 - share) * pdf_cosine_hemisphere_solid_angle(wi.z);
+    if (share > 0.0) pdf += share * pdf_vndf_reflection_solid_angle(normalize(wo + wi).z, wo.z, bsdf.alpha);
+    return pdf;
+}
+
+// u_lobe picks the lobe, u the direction.
+BsdfSample sample_bsdf(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u) {
+    BsdfSample result = BsdfSample(vec3(0.0), vec3(0.0), 0.0, kLobeNone);
+    if (wo.z <= 0.0) return result;
+    if (u_lobe < specular_share(bsdf, wo.z)) {
+        result.wi = reflect(-wo, sample_vndf_ggx(wo, bsdf.alpha, u));
+        result.lobe = kLobeSpecular;
+    } else {
+        result.wi = sample_cosine_hemisphere(u);
+        result.lobe = kLobeDiffuse;
+    }
+    result.pdf = pdf_bsdf_solid_angle(bsdf, wo, result.wi);
+    const BsdfValue value = eval_bsdf(bsdf, wo, result.wi);
+    if (result.pdf <= 0.0) {
+        result.lobe = kLobeNone;
+        return result;
+    }
+    result.weight = (value.diffuse + value.specular) / result.pdf;
+    return result;
+}
+#endif

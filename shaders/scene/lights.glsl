@@ -1,0 +1,134 @@
+// Light selection and sampling. A light id is (emitter, triangle); every density below includes the probability of the choice.
+//     LightPick   pick_light(x, n, u)          which light
+//     LightSample sample_light(pick, x, u)     a point or direction on it
+//     float       pdf_light(...)               density with which the same light would have been sampled (MIS)
+#ifndef PARHELION_SCENE_LIGHTS_GLSL
+#define PARHELION_SCENE_LIGHTS_GLSL
+#include "scene/alpha.glsl"
+#include "scene/environment.glsl"
+#include "scene/surface.glsl"
+
+struct LightPick {
+    uint emitter;       // kNone: there is no light
+    uint triangle;
+    float probability;  // of this emitter and triangle together
+};
+
+struct LightSample {
+    vec3 wi;            // from the shaded point to the light, unit
+    vec3 target_ws;     // point to which the light must be visible (finite lights)
+    vec3 radiance;      // nits arriving along wi if visible; for delta lights irradiance on a facing surface, lux
+    float pdf;          // per solid angle; for delta lights the probability of the choice
+    bool infinite;
+    bool is_delta;
+};
+
+const LightSample kNoLightSample = LightSample(vec3(0.0), vec3(0.0), vec3(0.0), 0.0, false, false);
+
+// x_ws and n_ws are not used yet: emitters are chosen by their share of the emitted flux, infinite ones by a set share.
+LightPick pick_light(vec3 x_ws, vec3 n_ws, vec4 u) {
+    LightPick pick = LightPick(kNone, 0u, 0.0);
+    if (scene.header.emitter_count == 0u) return pick;
+    pick.emitter = sample_alias(scene.header.emitter_table, scene.header.emitter_count, u.xy);
+    pick.probability = alias_pmf(scene.header.emitter_table, pick.emitter);
+    const Emitter emitter = scene_emitter(pick.emitter);
+    if (emitter.kind == kEmitterMesh) {
+        const uint64_t table = scene.header.triangle_tables + uint64_t(emitter.triangle_table) * 12ul;
+        pick.triangle = sample_alias(table, emitter.triangle_count, u.zw);
+        pick.probability *= alias_pmf(table, pick.triangle);
+    }
+    return pick;
+}
+
+// Density per area of choosing a point on a triangle of an emissive mesh.
+float pdf_light_area(uint emitter, uint triangle, float double_area_ws) {
+    const uint64_t table = scene.header.triangle_tables + uint64_t(scene_emitter(emitter).triangle_table) * 12ul;
+    return alias_pmf(scene.header.emitter_table, emitter) * alias_pmf(table, triangle) * 2.0 / max(double_area_ws, 1e-30);
+}
+
+// Density per solid angle with which a light hit by a ray (a surface s at distance s.t along wi) would have been sampled.
+float pdf_light(uint emitter, Surface s, vec3 wi) {
+    const float cosine = abs(dot(s.n_geometric_ws, wi));
+    return cosine > 0.0 ? pdf_light_area(emitter, s.primitive, s.double_area_ws) * s.t * s.t / cosine : 0.0;
+}
+float pdf_light_environment(vec3 wi) {
+    return alias_pmf(scene.header.emitter_table, scene.header.environment.emitter) * pdf_environment_solid_angle(wi);
+}
+uint surface_emitter(Surface s) {
+    return UintArray(scene.header.geometry_emitters).v[scene_instance(s.instance).emitter_base + s.geometry];
+}
+
+LightSample sample_mesh_light(LightPick pick, Emitter emitter, vec3 x_ws, vec2 u) {
+    LightSample result = kNoLightSample;
+    const Instance instance = scene_instance(emitter.instance);
+    const Geometry geometry = scene_geometry(emitter.geometry);
+    const Material material = scene_material(geometry.material);
+    const uvec3 index = IndexArray(geometry.indices).v[pick.triangle];
+    PositionArray positions = PositionArray(geometry.positions);
+    vec3 e0, e1, e2;
+    const vec3 p0 = transform_point_precise(instance.world_from_object, positions.v[index.x], vec3(0.0), e0);
+    const vec3 p1 = transform_point_precise(instance.world_from_object, positions.v[index.y], vec3(0.0), e1);
+    const vec3 p2 = transform_point_precise(instance.world_from_object, positions.v[index.z], vec3(0.0), e2);
+    const vec2 barycentrics = sample_triangle(u);
+    const vec3 weights = vec3(1.0 - barycentrics.x - barycentrics.y, barycentrics);
+    const vec3 p = interpolate(weights, p0, p1, p2);
+    const vec3 normal = cross(p1 - p0, p2 - p0) * ((instance.flags & kInstanceFlipsFacing) != 0u ? -1.0 : 1.0);
+    const float double_area = length(normal);
+    const vec3 to_light = p - x_ws;
+    const float distance_squared = dot(to_light, to_light);
+    if (double_area <= 0.0 || distance_squared <= 0.0) return result;
+    result.wi = to_light * inversesqrt(distance_squared);
+    const float cosine = -dot(normal, result.wi) / double_area;
+    if (cosine <= 0.0 && (material.flags & kMaterialDoubleSided) == 0u) return result;
+    if (abs(cosine) < 1e-7) return result;
+    AttributeArray attributes = AttributeArray(geometry.attributes);
+    const vec2 uv0 = interpolate(weights, attributes.v[index.x].uv0, attributes.v[index.y].uv0, attributes.v[index.z].uv0);
+    const vec2 uv1 = interpolate(weights, attributes.v[index.x].uv1, attributes.v[index.y].uv1, attributes.v[index.z].uv1);
+    result.radiance = material.emission * fetch_texture(material.emissive_texture, uv0, uv1, vec4(1.0)).rgb;
+    if ((geometry.flags & kAlphaModeMask) != kAlphaOpaque) {
+        const float alpha = fetch_alpha(geometry, pick.triangle, barycentrics);
+        result.radiance *= (geometry.flags & kAlphaModeMask) == kAlphaBlend ? alpha : float(alpha >= material.alpha_cutoff);
+    }
+    const vec3 error = 1e-6 * (abs(p0) + abs(p1) + abs(p2)) + max(e0, max(e1, e2));
+    result.target_ws = offset_origin(p, error, normal / double_area, -result.wi);
+    result.pdf = pick.probability * 2.0 / double_area * distance_squared / abs(cosine);
+    return result;
+}
+
+// Point and spot: intensity over squared distance; the spot's cone as KHR_lights_punctual defines it.
+LightSample sample_punctual_light(LightPick pick, Emitter emitter, vec3 x_ws) {
+    LightSample result = kNoLightSample;
+    result.is_delta = true;
+    result.pdf = pick.probability;
+    if (emitter.kind == kEmitterDirectional) {
+        result.infinite = true;
+        result.wi = -emitter.direction_ws;
+        result.radiance = emitter.intensity;
+        return result;
+    }
+    const vec3 to_light = emitter.position_ws - x_ws;
+    const float distance_squared = max(dot(to_light, to_light), 1e-12);
+    result.wi = to_light * inversesqrt(distance_squared);
+    result.target_ws = emitter.position_ws;
+    result.radiance = emitter.intensity / distance_squared;
+    if (emitter.kind == kEmitterSpot) {
+        const float scale = 1.0 / max(0.001, emitter.cos_inner - emitter.cos_outer);
+        const float fall = clamp((dot(emitter.direction_ws, -result.wi) - emitter.cos_outer) * scale, 0.0, 1.0);
+        result.radiance *= fall * fall;
+    }
+    return result;
+}
+
+LightSample sample_light(LightPick pick, vec3 x_ws, vec4 u) {
+    if (pick.emitter == kNone) return kNoLightSample;
+    const Emitter emitter = scene_emitter(pick.emitter);
+    if (emitter.kind == kEmitterMesh) return sample_mesh_light(pick, emitter, x_ws, u.xy);
+    if (emitter.kind != kEmitterEnvironment) return sample_punctual_light(pick, emitter, x_ws);
+    LightSample result = kNoLightSample;
+    result.infinite = true;
+    result.wi = sample_environment(u, result.pdf);
+    result.pdf *= pick.probability;
+    result.radiance = environment_radiance(result.wi);
+    return result;
+}
+#endif

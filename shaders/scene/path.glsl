@@ -1,0 +1,187 @@
+// The path tracer's loop body, one place for every renderer: emission and its MIS weight, next event estimation, BSDF sample.
+// Document 002, with its defects mended: shadow rays are traced by the caller of the hit, the sampler is fixed per pixel,
+// emission is weighted whatever surface was passed, ray origins move by error bounds.
+#ifndef PARHELION_SCENE_PATH_GLSL
+#define PARHELION_SCENE_PATH_GLSL
+#include "lib/mis.glsl"
+#include "lib/sampler.glsl"
+#include "scene/camera.glsl"
+#include "scene/lights.glsl"
+
+const uint kLightSamplingMis = 0u;
+const uint kLightSamplingOnly = 1u;
+const uint kBsdfSamplingOnly = 2u;
+
+// Random numbers of alpha tests: which ray asks.
+const uint kRayPath = 0u;
+const uint kRayShadow = 1u;
+
+// Radiance by path class (docs/path-space.md); their sum is the beauty.
+struct PathRadiance {
+    vec3 emission, direct_diffuse, direct_specular, indirect_diffuse, indirect_specular, transmission;
+};
+PathRadiance make_path_radiance() { return PathRadiance(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0)); }
+vec3 total(PathRadiance r) {
+    return r.emission + r.direct_diffuse + r.direct_specular + r.indirect_diffuse + r.indirect_specular + r.transmission;
+}
+
+// First-hit values that are averaged over the pixel.
+struct FirstHit {
+    vec3 albedo, normal_ws, emission;
+    float roughness;
+};
+
+struct PathState {
+    Ray ray;
+    vec3 throughput;
+    float pdf;          // of the last BSDF sample per solid angle; < 0: the light could not have been sampled (camera ray)
+    uint bounce;        // scatterings so far
+    uint first_lobe;    // lobe of the first scattering
+    PathRadiance radiance;
+};
+
+// Adds radiance that arrives over the last BSDF sample (or straight from the camera) to its class.
+void add_arriving(inout PathState path, vec3 value) {
+    if (path.bounce == 0u) path.radiance.emission += value;
+    else if (path.first_lobe == kLobeTransmission) path.radiance.transmission += value;
+    else if (path.bounce == 1u && path.first_lobe == kLobeDiffuse) path.radiance.direct_diffuse += value;
+    else if (path.bounce == 1u) path.radiance.direct_specular += value;
+    else if (path.first_lobe == kLobeDiffuse) path.radiance.indirect_diffuse += value;
+    else path.radiance.indirect_specular += value;
+}
+
+// Adds light-sampled radiance, split by lobe at the current surface.
+void add_sampled(inout PathState path, vec3 diffuse, vec3 specular) {
+    if (path.bounce == 0u) {
+        path.radiance.direct_diffuse += diffuse;
+        path.radiance.direct_specular += specular;
+    } else if (path.first_lobe == kLobeTransmission) path.radiance.transmission += diffuse + specular;
+    else if (path.first_lobe == kLobeDiffuse) path.radiance.indirect_diffuse += diffuse + specular;
+    else path.radiance.indirect_specular += diffuse + specular;
+}
+
+// MIS weight of light reached by the last BSDF sample, which light sampling would have found with light_pdf.
+float arriving_weight(PathState path, uint mode, float light_pdf) {
+    if (path.pdf < 0.0 || light_pdf <= 0.0) return 1.0;
+    if (mode == kLightSamplingOnly) return 0.0;
+    return mode == kBsdfSamplingOnly ? 1.0 : mis_power_heuristic(path.pdf, light_pdf);
+}
+
+void add_environment(inout PathState path, uint mode) {
+    const uint emitter = scene.header.environment.emitter;
+    if (emitter == kNone) return;
+    const float weight = path.pdf < 0.0 ? 1.0 : arriving_weight(path, mode, pdf_light_environment(path.ray.direction_ws));
+    add_arriving(path, path.throughput * weight * environment_radiance(path.ray.direction_ws));
+}
+
+void add_emission(inout PathState path, Surface s, uint mode) {
+    if (s.emission == vec3(0.0)) return;
+    const uint emitter = surface_emitter(s);
+    const float light_pdf = emitter == kNone || path.pdf < 0.0 ? 0.0 : pdf_light(emitter, s, path.ray.direction_ws);
+    add_arriving(path, path.throughput * arriving_weight(path, mode, light_pdf) * s.emission);
+}
+
+// One light sample at the surface: its ray, and what it adds if the ray is free.
+struct NextEvent {
+    Ray ray;
+    vec3 diffuse, specular;  // throughput included
+    bool exists;
+};
+
+NextEvent sample_next_event(PathState path, Surface s, Bsdf bsdf, mat3 frame, vec3 wo, uint mode, vec4 u_pick, vec4 u_light, uint alpha_key) {
+    NextEvent event;
+    event.exists = false;
+    const LightPick pick = pick_light(s.position_ws, s.n_geometric_ws, u_pick);
+    const LightSample light = sample_light(pick, s.position_ws, u_light);
+    if (light.pdf <= 0.0 || (mode == kBsdfSamplingOnly && !light.is_delta)) return event;  // no ray can hit a delta light
+    const vec3 wi = light.wi * frame;
+    const bool same_side = dot(light.wi, s.n_geometric_ws) * dot(path.ray.direction_ws, s.n_geometric_ws) < 0.0;
+    if (!same_side) return event;
+    const BsdfValue value = eval_bsdf(bsdf, wo, wi);
+    float weight = 1.0;
+    if (!light.is_delta && mode == kLightSamplingMis) weight = mis_power_heuristic(light.pdf, pdf_bsdf_solid_angle(bsdf, wo, wi));
+    const vec3 arriving = path.throughput * light.radiance * (weight / light.pdf);
+    event.diffuse = arriving * value.diffuse;
+    event.specular = arriving * value.specular;
+    event.exists = max_component(event.diffuse + event.specular) > 0.0;
+    if (!event.exists) return event;
+    event.ray = spawn_ray(s, light.wi, kInfinity, alpha_key);
+    if (!light.infinite) {
+        const vec3 to_target = light.target_ws - event.ray.origin_ws;
+        event.ray.t_max = length(to_target) * (1.0 - 4e-7);
+        event.ray.direction_ws = normalize(to_target);
+    }
+    return event;
+}
+
+// Continues the path by the BSDF; false: it ends here.
+bool scatter(inout PathState path, Surface s, Bsdf bsdf, mat3 frame, vec3 wo, float u_lobe, vec2 u, uint alpha_key) {
+    const BsdfSample next = sample_bsdf(bsdf, wo, u_lobe, u);
+    if (next.lobe == kLobeNone) return false;
+    const vec3 wi_ws = frame * next.wi;
+    // A direction that the shading normal allows but the real surface does not carries nothing.
+    if (dot(wi_ws, s.n_geometric_ws) * dot(path.ray.direction_ws, s.n_geometric_ws) >= 0.0) return false;
+    if (path.bounce == 0u) path.first_lobe = next.lobe;
+    path.throughput *= next.weight;
+    path.pdf = next.pdf;
+    path.bounce += 1u;
+    path.ray = spawn_ray(s, normalize(wi_ws), kInfinity, alpha_key);
+    return max_component(path.throughput) > 0.0;
+}
+
+// Russian roulette with survival in [0.05, 0.95] by the largest throughput; false: the path ends.
+bool survive_roulette(inout PathState path, float u) {
+    const float survival = clamp(max_component(path.throughput), 0.05, 0.95);
+    if (u >= survival) return false;
+    path.throughput /= survival;
+    return true;
+}
+
+uint alpha_ray_key(uvec2 pixel, uint sample_index, uint seed, uint bounce, uint kind) {
+    return pcg_hash(pixel.x ^ pcg_hash(pixel.y ^ pcg_hash(sample_index ^ pcg_hash(seed ^ pcg_hash(2u * bounce + kind)))));
+}
+
+// One sample of one pixel.
+PathRadiance trace_path(ViewData view, uvec2 pixel, uint sample_index, inout FirstHit first) {
+    PathSampler samples = make_sampler(pixel, sample_index, view.seed, view.sampler_kind, scene.header.sobol, scene.header.blue_noise);
+    const vec2 jitter = view.pixel_filter == kFilterPoint ? vec2(0.5) : next_2d(samples);
+    PathState path;
+    path.ray = camera_ray(view.camera, vec2(pixel) + jitter, vec2(view.width, view.height), alpha_ray_key(pixel, sample_index, view.seed, 0u, kRayPath));
+    path.throughput = vec3(1.0);
+    path.pdf = -1.0;
+    path.bounce = 0u;
+    path.first_lobe = kLobeNone;
+    path.radiance = make_path_radiance();
+    while (true) {
+        const Hit hit = trace_closest(path.ray);
+        if (is_miss(hit)) {
+            add_environment(path, view.light_sampling);
+            if (path.bounce == 0u) first.emission = path.radiance.emission;
+            break;
+        }
+        Surface s = fetch_surface(hit, path.ray);
+        add_emission(path, s, view.light_sampling);
+        if (path.bounce == 0u) first = FirstHit(s.base_color, s.n_shading_ws * (s.front_facing ? 1.0 : -1.0), s.emission, s.roughness);
+        if (path.bounce >= view.max_bounces) break;
+
+        start_bounce(samples, path.bounce + 1u);
+        const vec4 u_pick = vec4(next_2d(samples), next_2d(samples));
+        const vec4 u_light = vec4(next_2d(samples), next_2d(samples));
+        const float u_lobe = next_1d(samples);
+        const vec2 u_direction = next_2d(samples);
+        const float u_roulette = next_1d(samples);
+        if (path.bounce >= view.roulette_start && !survive_roulette(path, u_roulette)) break;
+
+        const float side = s.front_facing ? 1.0 : -1.0;
+        const vec3 n = bend_normal(side * s.n_shading_ws, side * s.n_geometric_ws, -path.ray.direction_ws);
+        const mat3 frame = make_frame(n);
+        const vec3 wo = -path.ray.direction_ws * frame;
+        const Bsdf bsdf = make_bsdf(s.base_color, s.metallic, s.roughness, s.ior, s.specular);
+        const NextEvent event = sample_next_event(path, s, bsdf, frame, wo, view.light_sampling, u_pick, u_light,
+                                                  alpha_ray_key(pixel, sample_index, view.seed, path.bounce, kRayShadow));
+        if (event.exists && trace_visible(event.ray, kNow)) add_sampled(path, event.diffuse, event.specular);
+        if (!scatter(path, s, bsdf, frame, wo, u_lobe, u_direction, alpha_ray_key(pixel, sample_index, view.seed, path.bounce + 1u, kRayPath))) break;
+    }
+    return path.radiance;
+}
+#endif

@@ -1,0 +1,33 @@
+// Set 0: the scene. Bindings and accessors; the layout is gpu::SceneSet's.
+#ifndef PARHELION_SCENE_SCENE_GLSL
+#define PARHELION_SCENE_SCENE_GLSL
+#include "shared/scene.h"
+
+#extension GL_EXT_nonuniform_qualifier : require
+
+layout(set = 0, binding = 2, scalar) readonly buffer SceneBlock { SceneHeader header; } scene;
+layout(set = 0, binding = 3) uniform sampler2D textures[];
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer InstanceArray { Instance v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer GeometryArray { Geometry v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer MaterialArray { Material v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer EmitterArray { Emitter v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer AliasArray { AliasEntry v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer UintArray { uint v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer PositionArray { vec3 v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer IndexArray { uvec3 v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer AttributeArray { VertexAttributes v[]; };
+
+#define scene_instance(i) (InstanceArray(scene.header.instances).v[i])
+#define scene_geometry(i) (GeometryArray(scene.header.geometries).v[i])
+#define scene_material(i) (MaterialArray(scene.header.materials).v[i])
+#define scene_emitter(i) (EmitterArray(scene.header.emitters).v[i])
+
+vec2 transform_uv(TextureRef ref, vec2 uv) { return vec2(dot(ref.row0, vec3(uv, 1.0)), dot(ref.row1, vec3(uv, 1.0))); }
+
+// A texel of a material's texture at full resolution; `fallback` where the material has none.
+vec4 fetch_texture(TextureRef ref, vec2 uv0, vec2 uv1, vec4 fallback) {
+    if (ref.texture == kNone) return fallback;
+    return textureLod(textures[nonuniformEXT(ref.texture)], transform_uv(ref, ref.uv_set == 0u ? uv0 : uv1), 0.0);
+}
+#endif

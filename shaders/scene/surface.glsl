@@ -1,0 +1,100 @@
+// The canonical surface: what a hit means. Traversal decides only which triangle; t, barycentrics and position are recomputed
+// here by one precise function, so the same triangle is the same surface, bit for bit, in every way to trace.
+#ifndef PARHELION_SCENE_SURFACE_GLSL
+#define PARHELION_SCENE_SURFACE_GLSL
+#include "lib/affine.glsl"
+#include "lib/bsdf.glsl"
+#include "lib/geometry.glsl"
+#include "lib/ray_triangle.glsl"
+#include "scene/trace.glsl"
+
+struct Surface {
+    vec3 position_ws;
+    vec3 position_error;  // absolute rounding error bounds of position_ws
+    float t;
+    vec2 barycentrics;
+    vec3 n_geometric_ws;  // unit, on the front side (counter-clockwise in object space, as glTF)
+    vec3 n_shading_ws;    // unit, interpolated and normal mapped, on the front side
+    bool front_facing;    // the ray came from the front side
+    vec3 base_color;
+    float metallic, roughness, ior, specular;
+    vec3 emission;        // nits towards the ray's origin
+    uint instance, geometry, primitive, material;  // geometry: of the mesh
+    float double_area_ws; // twice the triangle's area, square metres
+};
+
+vec3 interpolate(vec3 weights, vec3 a, vec3 b, vec3 c) { return weights.x * a + weights.y * b + weights.z * c; }
+vec2 interpolate(vec3 weights, vec2 a, vec2 b, vec2 c) { return weights.x * a + weights.y * b + weights.z * c; }
+
+// Tangent-space normal from a normal map: xy scaled, z rebuilt. Falls back to the vertex normal where tangents degenerate.
+vec3 apply_normal_map(Material material, vec2 uv0, vec2 uv1, vec3 n, vec4 tangent) {
+    if (material.normal_texture.texture == kNone || dot(tangent.xyz, tangent.xyz) < 1e-6) return n;
+    const vec2 xy = (fetch_texture(material.normal_texture, uv0, uv1, vec4(0.5)).xy * 2.0 - 1.0) * material.normal_scale;
+    const vec3 t = normalize(tangent.xyz - n * dot(n, tangent.xyz));
+    const vec3 b = cross(n, t) * tangent.w;
+    return normalize(xy.x * t + xy.y * b + sqrt(max(0.0, 1.0 - dot(xy, xy))) * n);
+}
+
+Surface fetch_surface(Hit hit, Ray ray) {
+    Surface s;
+    s.instance = hit_instance(hit);
+    s.geometry = hit.geometry;
+    s.primitive = hit.primitive;
+    const Instance instance = scene_instance(s.instance);
+    const Geometry geometry = scene_geometry(instance.geometry_base + hit.geometry);
+    const Material material = scene_material(geometry.material);
+    s.material = geometry.material;
+
+    const uvec3 index = IndexArray(geometry.indices).v[hit.primitive];
+    PositionArray positions = PositionArray(geometry.positions);
+    vec3 e0, e1, e2;
+    precise const vec3 p0 = transform_point_precise(instance.world_from_object, positions.v[index.x], vec3(0.0), e0);
+    precise const vec3 p1 = transform_point_precise(instance.world_from_object, positions.v[index.y], vec3(0.0), e1);
+    precise const vec3 p2 = transform_point_precise(instance.world_from_object, positions.v[index.z], vec3(0.0), e2);
+    intersect_canonical(ray.origin_ws, ray.direction_ws, p0, p1, p2, s.t, s.barycentrics);
+    precise const vec3 weights = vec3(1.0 - s.barycentrics.x - s.barycentrics.y, s.barycentrics);
+    precise const vec3 position = weights.x * p0 + weights.y * p1 + weights.z * p2;
+    s.position_ws = position;
+    // Interpolation adds seven roundings (Pharr et al. 2016, 3.9.4) on top of the transformed vertices' own errors.
+    const float kGamma7 = 7.0 * 5.9604645e-8 / (1.0 - 7.0 * 5.9604645e-8);
+    s.position_error = kGamma7 * (weights.x * abs(p0) + weights.y * abs(p1) + weights.z * abs(p2)) + max(e0, max(e1, e2));
+
+    // A mirroring transform turns the order of the corners over; the front side stays the front side.
+    const vec3 normal = cross(p1 - p0, p2 - p0) * ((instance.flags & kInstanceFlipsFacing) != 0u ? -1.0 : 1.0);
+    s.double_area_ws = length(normal);
+    s.n_geometric_ws = s.double_area_ws > 0.0 ? normal / s.double_area_ws : -ray.direction_ws;
+    s.front_facing = dot(s.n_geometric_ws, ray.direction_ws) < 0.0;
+
+    AttributeArray attributes = AttributeArray(geometry.attributes);
+    const VertexAttributes a0 = attributes.v[index.x], a1 = attributes.v[index.y], a2 = attributes.v[index.z];
+    const vec2 uv0 = interpolate(weights, a0.uv0, a1.uv0, a2.uv0), uv1 = interpolate(weights, a0.uv1, a1.uv1, a2.uv1);
+    const vec3 n_object = interpolate(weights, a0.normal, a1.normal, a2.normal);
+    const vec3 n_world = transform_normal(instance.object_from_world, n_object);
+    s.n_shading_ws = dot(n_world, n_world) > 0.0 ? normalize(n_world) : s.n_geometric_ws;
+    const float handedness = a0.tangent.w * ((instance.flags & kInstanceFlipsFacing) != 0u ? -1.0 : 1.0);
+    const vec3 tangent = transform_vector(instance.world_from_object, interpolate(weights, a0.tangent.xyz, a1.tangent.xyz, a2.tangent.xyz));
+    s.n_shading_ws = apply_normal_map(material, uv0, uv1, s.n_shading_ws, vec4(tangent, handedness));
+
+    const vec3 vertex_color = interpolate(weights, unpackUnorm4x8(a0.color).rgb, unpackUnorm4x8(a1.color).rgb, unpackUnorm4x8(a2.color).rgb);
+    s.base_color = material.base_color.rgb * vertex_color * fetch_texture(material.base_color_texture, uv0, uv1, vec4(1.0)).rgb;
+    const vec4 metal_rough = fetch_texture(material.metal_rough_texture, uv0, uv1, vec4(1.0));
+    s.metallic = clamp(material.metallic * metal_rough.b, 0.0, 1.0);
+    s.roughness = clamp(material.roughness * metal_rough.g, 0.0, 1.0);
+    s.ior = material.ior;
+    s.specular = material.specular;
+    const bool emits = s.front_facing || (material.flags & kMaterialDoubleSided) != 0u;
+    s.emission = emits ? material.emission * fetch_texture(material.emissive_texture, uv0, uv1, vec4(1.0)).rgb : vec3(0.0);
+    if ((material.flags & kMaterialUnlit) != 0u) {  // shown as it is: neither lit nor a light (KHR_materials_unlit)
+        s.emission = s.base_color;
+        s.base_color = vec3(0.0);
+        s.specular = 0.0;
+        s.metallic = 0.0;
+    }
+    return s;
+}
+
+// A ray from the surface towards w that cannot meet the surface itself.
+Ray spawn_ray(Surface s, vec3 w, float t_max, uint alpha_key) {
+    return Ray(offset_origin(s.position_ws, s.position_error, s.n_geometric_ws, w), 0.0, w, t_max, alpha_key);
+}
+#endif

@@ -1,0 +1,53 @@
+// One view of a scene: camera, film and path settings, as the passes see them.
+#ifndef PARHELION_SHARED_VIEW_H
+#define PARHELION_SHARED_VIEW_H
+#include "shared/types.h"
+SHARED_BEGIN
+
+// Film channel groups; View::channel says where each starts in the film, kNoChannel if it is not kept.
+SHARED_CONST uint kFilmBeauty = 0u;
+SHARED_CONST uint kFilmAlbedo = 1u;
+SHARED_CONST uint kFilmNormal = 2u;
+SHARED_CONST uint kFilmEmission = 3u;
+SHARED_CONST uint kFilmRoughness = 4u;
+SHARED_CONST uint kFilmPathEmission = 5u;
+SHARED_CONST uint kFilmPathDirectDiffuse = 6u;
+SHARED_CONST uint kFilmPathDirectSpecular = 7u;
+SHARED_CONST uint kFilmPathIndirectDiffuse = 8u;
+SHARED_CONST uint kFilmPathIndirectSpecular = 9u;
+SHARED_CONST uint kFilmPathTransmission = 10u;
+SHARED_CONST uint kFilmGroupCount = 11u;
+SHARED_CONST uint kNoChannel = 0xFFFFFFFFu;
+
+SHARED_CONST uint kFilterBox = 0u;
+SHARED_CONST uint kFilterPoint = 1u;
+
+// A film block is 64 samples: summed in float by sample index, then added exactly (lib/fixed_point.glsl).
+SHARED_CONST uint kSamplesPerBlock = 64u;
+
+// Pinhole or orthographic camera. A pixel's direction is forward + x * right + y * up with x, y in [-1, 1] (y up):
+// `right_ws` and `up_ws` carry the half extents of the image at unit distance (perspective) or in metres (orthographic).
+struct Camera {
+    vec3 position_ws;
+    vec3 right_ws;
+    vec3 up_ws;
+    vec3 forward_ws;
+    uint orthographic;
+};
+
+struct ViewData {
+    Camera camera;
+    Camera camera_before;
+    uint width, height;
+    uint seed;
+    uint sampler_kind;
+    uint max_bounces;  // scatterings of a path; 0xFFFFFFFF: unlimited
+    uint pixel_filter;
+    uint roulette_start;     // first bounce with Russian roulette
+    uint light_sampling;     // 0: MIS of both; 1: light sampling only; 2: BSDF sampling only (tests)
+    uint channel[kFilmGroupCount];
+    uint channel_count;
+};
+
+SHARED_END
+#endif

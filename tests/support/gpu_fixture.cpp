@@ -1,0 +1,68 @@
+#include "support/gpu_fixture.h"
+
+#include <cstdlib>
+
+#include "base/error.h"
+#include "base/log.h"
+
+namespace parhelion::embedded {
+extern const unsigned char test_shaders[];
+extern const size_t test_shaders_size;
+}  // namespace parhelion::embedded
+
+namespace parhelion::testing {
+
+bool is_required(std::string_view what) {
+    const char* list = std::getenv("PARHELION_REQUIRE");
+    if (!list) return false;
+    std::string_view rest = list;
+    while (!rest.empty()) {
+        const size_t comma = rest.find(',');
+        if (rest.substr(0, comma) == what) return true;
+        rest = comma == std::string_view::npos ? std::string_view() : rest.substr(comma + 1);
+    }
+    return false;
+}
+
+const gpu::DevicePtr& shared_device() {
+    static const gpu::DevicePtr device = []() -> gpu::DevicePtr {
+        try {
+            return gpu::Device::open({.validate = true});
+        } catch (const Error& error) {
+            log(LogLevel::Warn, "{}", error.what());
+            if (is_required("validation")) return nullptr;
+        }
+        try {
+            return gpu::Device::open({});
+        } catch (const Error& error) {
+            log(LogLevel::Warn, "{}", error.what());
+            return nullptr;
+        }
+    }();
+    return device;
+}
+
+const gpu::ShaderPack& test_shader_pack() {
+    static const gpu::ShaderPack pack(std::as_bytes(std::span(embedded::test_shaders, embedded::test_shaders_size)));
+    return pack;
+}
+
+void GpuTest::SetUp() {
+    if (!shared_device()) {
+        if (is_required("device")) FAIL() << "PARHELION_REQUIRE names a device, and there is none (see the messages above)";
+        GTEST_SKIP() << "no Vulkan device";
+    }
+    messages_before_ = shared_device()->validation_message_count();
+}
+
+void GpuTest::TearDown() {
+    if (shared_device()) EXPECT_EQ(shared_device()->validation_message_count(), messages_before_) << "the validation layers were not silent";
+}
+
+void GpuTest::require_way(gpu::TraceWay way) {
+    if (device()->caps().supports(way)) return;
+    if (is_required(gpu::trace_way_name(way))) FAIL() << device()->caps().name << " cannot trace by " << gpu::trace_way_name(way);
+    GTEST_SKIP() << device()->caps().name << " cannot trace by " << gpu::trace_way_name(way);
+}
+
+}  // namespace parhelion::testing
