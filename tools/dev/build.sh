@@ -1,4 +1,4 @@
-# shellcheck shell=bash
+# shellcheck shell=bash disable=SC1091,SC2016,SC2034,SC2154
 # ./dev build, render, run, view, bench.
 
 presets=(release dev asan)

@@ -1,0 +1,135 @@
+# shellcheck shell=bash disable=SC1091,SC2016,SC2034,SC2154
+# ./dev bundle: the program with its libraries, for another x86-64 Linux that has a Vulkan driver.
+
+# Every Linux has these, and a second copy of them in one process would break its Vulkan driver:
+# glibc, the compiler's run-time libraries (a driver may need newer ones than ours) and zlib.
+part_of_the_system='^(ld-linux.*|lib(c|m|dl|rt|pthread|resolv|stdc\+\+|gcc_s|z|atomic))\.so'
+bundle_limit_mib=25
+
+# The packages whose code is compiled in: their licences are carried too.
+compiled_in='libglm-dev nlohmann-json3-dev libcli11-dev libvulkan-volk-dev libvulkan-dev libspdlog-dev libfmt-dev'
+
+bundle_libraries() { # bundle_libraries FOLDER PROGRAM...: copies what the programs load into FOLDER/lib
+    local folder=$1 library name
+    shift
+    linked_libraries "$@" >"$folder/lib.list"
+    # The loader is opened at run time, so nothing links it.
+    find /usr/lib /lib -name libvulkan.so.1 -path "*$(gcc -print-multiarch)*" 2>/dev/null | head -n 1 >>"$folder/lib.list"
+    while read -r library; do
+        name=${library##*/}
+        [[ ! $name =~ $part_of_the_system ]] || continue
+        cp -L "$library" "$folder/lib/$name"
+        chmod 644 "$folder/lib/$name"
+        # Its own libraries lie beside it.
+        patchelf --set-rpath '$ORIGIN' "$folder/lib/$name"
+        owner_of "$library" >>"$folder/owners"
+    done <"$folder/lib.list"
+    rm "$folder/lib.list"
+}
+
+bundle_licenses() { # bundle_licenses FOLDER
+    local folder=$1 package file
+    # shellcheck disable=SC2086
+    for package in $(cut -d' ' -f1 "$folder/owners" | sort -u) $compiled_in; do
+        file=/usr/share/doc/$package/copyright
+        [[ -f $file ]] || die "bundle: $package has no licence text in $file"
+        cp -L "$file" "$folder/licenses/$package.txt"
+    done
+    file=$(find "$deps_root/usr/share/doc" /usr/share/doc -path '*/libvulkan-memory-allocator-dev/copyright' 2>/dev/null | head -n 1)
+    [[ -n $file ]] || die "bundle: no licence text of libvulkan-memory-allocator-dev"
+    cp "$file" "$folder/licenses/libvulkan-memory-allocator-dev.txt"
+    # The texts that Debian's copyright files only name.
+    for file in GPL-1 GPL-2 GPL-3 LGPL-2 LGPL-2.1 LGPL-3 Apache-2.0; do
+        if grep -qF "/usr/share/common-licenses/$file" "$folder"/licenses/*.txt && [[ -f /usr/share/common-licenses/$file ]]; then
+            cp -L "/usr/share/common-licenses/$file" "$folder/licenses/common-$file.txt"
+        fi
+    done
+    cp "$root/LICENSE" "$folder/LICENSE"
+    cp "$root/THIRD_PARTY.md" "$folder/THIRD_PARTY.md"
+    rm "$folder/owners"
+}
+
+newest_glibc() { # the newest glibc symbol version that the programs need
+    { objdump -T "$@" 2>/dev/null || true; } | grep -o 'GLIBC_[0-9.]*' | sort -Vu | tail -n 1
+}
+
+check_bundle() { # check_bundle FOLDER: nothing comes from this machine but the system's part
+    local folder=$1 stray file
+    stray=$(env -i ldd "$folder"/bin/* "$folder"/lib/*.so* 2>/dev/null | sed -nE "s/^.*(=> (\/[^ ]+) .*|=> not found)$/\0/p" | grep -v "=> $folder/" |
+        awk '{ print $1 }' | sort -u | grep -Ev "$part_of_the_system" || true)
+    [[ -z $stray ]] || die "bundle: these libraries are not carried: ${stray//$'\n'/ }"
+    env -i "$folder/bin/parhelion" --version >/dev/null || die "bundle: the program does not start"
+    # No path of the build machine may be inside.
+    file=$(grep -lF -- "$root" "$folder"/bin/* || true)
+    [[ -z $file ]] || warn "bundle: ${file##*/} contains the path of the source tree"
+}
+
+cmd_bundle() {
+    local with_tests=false version name folder program tests archive mib
+    case ${1:-} in '') ;; --with-tests) with_tests=true ;; *) usage_error "bundle: unknown argument '$1'" ;; esac
+    [[ $# -le 1 ]] || usage_error "bundle: unknown argument '$2'"
+    [[ $(uname -m) == x86_64 ]] || die "bundle: this machine is $(uname -m), bundles are for x86_64"
+    ensure_deps
+    have patchelf || apt_install patchelf
+    configure_and_build release
+    version=$(sed -nE 's/^CMAKE_PROJECT_VERSION:STATIC=(.*)$/\1/p' "$build_dir/release/CMakeCache.txt")
+    name=parhelion-$version-linux-x86_64
+    folder=$build_dir/bundle/$name
+    step "Bundling $name"
+    rm -rf "$folder"
+    mkdir -p "$folder/bin" "$folder/lib" "$folder/licenses"
+    program=$(program_path parhelion release)
+    tests=()
+    if $with_tests; then mapfile -t tests < <(built_programs "$build_dir/release/tests"); fi
+    strip -o "$folder/bin/parhelion" "$program"
+    chmod 755 "$folder/bin/parhelion"
+    patchelf --set-rpath '$ORIGIN/../lib' "$folder/bin/parhelion"
+    bundle_libraries "$folder" "$program" "${tests[@]}"
+    bundle_licenses "$folder"
+    if $with_tests; then bundle_tests "$folder" "${tests[@]}"; fi
+    cat >"$folder/README.txt" <<TEXT
+Parhelion $version, for Linux on x86-64.
+
+  bin/parhelion devices
+  bin/parhelion render builtin:cornell --out cornell.png
+  bin/parhelion help
+
+Needs a Vulkan 1.3 driver (your GPU's, or Mesa's lavapipe 25.0 or newer for the CPU) and glibc $(newest_glibc "$folder"/bin/* "$folder"/lib/*.so* | tr -d A-Z_) or newer.
+lib/ holds the libraries it uses, licenses/ their terms.
+TEXT
+    check_bundle "$folder"
+    mib=$((($(du -sk --apparent-size --exclude=tests "$folder" | cut -f1) + 1023) / 1024))
+    [[ $mib -le $bundle_limit_mib ]] || die "bundle: $mib MiB, more than the $bundle_limit_mib allowed"
+    archive=$folder.tar.gz
+    # gzip, because every system unpacks it; sorted, without owners and dates, so that the same tree gives the same file.
+    tar -C "$build_dir/bundle" --sort=name --owner=0 --group=0 --numeric-owner --mtime=@"${SOURCE_DATE_EPOCH:-0}" -cf - "$name" | gzip -9n >"$archive"
+    say "The bundle: ${folder#"$root"/} ($mib MiB without tests) and ${archive#"$root"/} ($(($(stat -c %s "$archive") / 1048576 + 1)) MiB)"
+}
+
+bundle_tests() { # bundle_tests FOLDER PROGRAM...: tests/ with the programs, their data and a script that runs them
+    local folder=$1 program
+    shift
+    mkdir -p "$folder/tests"
+    for program in "$@"; do
+        strip -o "$folder/tests/${program##*/}" "$program"
+        chmod 755 "$folder/tests/${program##*/}"
+        patchelf --set-rpath '$ORIGIN/../lib' "$folder/tests/${program##*/}"
+    done
+    # What the tests read from the tree: shaders, sources (the include table) and golden files.
+    tar -C "$root" --exclude=./build --exclude=./out --exclude=./.git -cf - . | { mkdir -p "$folder/tests/tree" && tar -C "$folder/tests/tree" -xf -; }
+    cat >"$folder/tests/run" <<'TEXT'
+#!/bin/sh
+# Runs every test program, or those named, on this machine's Vulkan devices.
+here=$(cd "$(dirname "$0")" && pwd)
+[ $# -gt 0 ] || set -- $(find "$here" -maxdepth 1 -type f -perm -u+x ! -name run | sort)
+PATH=$here/../bin:$PATH
+status=0
+for program in "$@"; do
+    case $program in /*) ;; *) program=$here/$program ;; esac
+    echo "== ${program##*/}"
+    (cd "$here/tree" && PARHELION_TREE=$here/tree "$program") || status=1
+done
+exit $status
+TEXT
+    chmod 755 "$folder/tests/run"
+}

@@ -1,4 +1,4 @@
-# shellcheck shell=bash
+# shellcheck shell=bash disable=SC1091,SC2016,SC2034,SC2154
 # What every ./dev command uses. Sourced by ./dev, which sets $root (the source tree) and its options -e, -u and pipefail.
 
 build_dir=$root/build

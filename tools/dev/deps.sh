@@ -1,4 +1,4 @@
-# shellcheck shell=bash
+# shellcheck shell=bash disable=SC1091,SC2016,SC2034,SC2154
 # ./dev deps: what is missing is listed, then installed with apt. The machine's package sources stay as they are: what the release lacks
 # is fetched with a private set of apt folders and unpacked under build/deps/root.
 
@@ -16,10 +16,11 @@ usable_unpacked() { # is a good enough version of $1 installed, so that nothing 
 }
 
 missing_packages() { # missing_packages RELEASE
-    local package
-    for package in $(list_packages "$1"); do
-        [[ -n $(installed_version "$package") ]] || printf '%s\n' "$package"
-    done
+    local wanted installed
+    wanted=$(list_packages "$1" | sort -u)
+    # shellcheck disable=SC2086
+    installed=$(dpkg-query -W -f '${Package} ${db:Status-Status}\n' $wanted 2>/dev/null | sed -n 's/ installed$//p' | sort -u) || true
+    comm -23 <(printf '%s\n' "$wanted") <(printf '%s\n' "$installed")
 }
 
 as_root() {
@@ -146,7 +147,9 @@ ensure_deps() { # ensure_deps [--yes]
     local assume_yes=false release wanted entry
     if [[ ${1:-} == --yes || ${1:-} == -y ]]; then assume_yes=true; shift; fi
     [[ $# -eq 0 ]] || usage_error "deps: unknown argument '$1'"
-    have apt-get && have dpkg-query || die "no apt here. Install what packages.txt lists in your system's way, then use CMake: cmake --preset release"
+    if ! have apt-get || ! have dpkg-query; then
+        die "no apt here. Install what packages.txt lists in your system's way, then use CMake: cmake --preset release"
+    fi
     release=$(debian_release)
     if [[ -z $release ]]; then
         warn "this is neither Debian 12 nor 13: Debian 13's package names are tried"

@@ -1,4 +1,4 @@
-# shellcheck shell=bash
+# shellcheck shell=bash disable=SC1091,SC2016,SC2034,SC2154
 # ./dev test, truth, soak: CTest runs the GoogleTest programs, two at a time; every test case is counted from their output.
 
 # Reads CTest's log. Prints to stdout: "pass|fail|skip SECONDS NAME" for each test case, or for each program that is no GoogleTest.
@@ -13,7 +13,8 @@ list_results() {
                 running = ""
             }
         }
-        /^[0-9]+\/[0-9]+ Testing: / { program = substr($0, index($0, "Testing: ") + 9); running = ""; cases = 0; failures = 0; is_gtest = 0; seconds = 0 }
+        /^[0-9]+\/[0-9]+ Testing: / { program = substr($0, index($0, "Testing: ") + 9); running = ""; cases = 0; failures = 0; is_gtest = 0; seconds = 0; absent = 0 }
+        /^Command: ""$/ { absent = 1 }
         /\[==========\]/ { is_gtest = 1 }
         { sub(/\r$/, "") }
         index($0, "[ RUN      ] ") { running = substr($0, index($0, "[ RUN      ] ") + 13); ++cases }
@@ -21,8 +22,8 @@ list_results() {
         index($0, "[  FAILED  ] ") { result("fail", $0, "[  FAILED  ] ") }
         index($0, "[  SKIPPED ] ") { result("skip", $0, "[  SKIPPED ] ") }
         /^Test time = / { seconds = $4 }
-        /^Test (Passed|Failed|Skipped)\.$/ || /^Test timeout|^Test not run|^Unable to find executable/ {
-            passed = ($0 == "Test Passed.")
+        /^Test (Passed|Failed|Skipped)\.$/ {
+            passed = ($0 == "Test Passed." && !absent)
             if (running != "") { printf "fail %.3f %s (did not finish)\n", seconds, running; ++failures; running = "" }
             if (!is_gtest) printf "%s %.3f %s\n", passed ? "pass" : ($2 == "Skipped." ? "skip" : "fail"), seconds, program
             else if (!passed && failures == 0) printf "fail %.3f %s (the program as a whole)\n", seconds, program
@@ -38,6 +39,8 @@ run_tests() { # run_tests PRESET FILTER CTEST-ARGUMENTS...: prints the summary; 
     if [[ -n $filter ]]; then
         [[ $filter == *[*?:]* ]] || filter="*$filter*"
         export GTEST_FILTER=$filter
+        # Tests that are no GoogleTest programs have no cases to choose from.
+        set -- "$@" -LE '^(truth|soak|script)$'
     fi
     if [[ $preset == asan ]]; then
         export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_stack_use_after_return=1} UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
