@@ -35,7 +35,7 @@ bundle_licenses() { # bundle_licenses FOLDER
         [[ -f $file ]] || die "bundle: $package has no licence text in $file"
         cp -L "$file" "$folder/licenses/$package.txt"
     done
-    file=$(find "$deps_root/usr/share/doc" /usr/share/doc -path '*/libvulkan-memory-allocator-dev/copyright' 2>/dev/null | head -n 1)
+    file=$(find "$deps_root/usr/share/doc" /usr/share/doc -path '*/libvulkan-memory-allocator-dev/copyright' 2>/dev/null | head -n 1 || true)
     [[ -n $file ]] || die "bundle: no licence text of libvulkan-memory-allocator-dev"
     cp "$file" "$folder/licenses/libvulkan-memory-allocator-dev.txt"
     # The texts that Debian's copyright files only name.

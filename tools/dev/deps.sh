@@ -127,7 +127,7 @@ unpack() {
 write_env() {
     local driver
     mkdir -p "$deps_dir"
-    driver=$(find "$deps_root" -name libvulkan_lvp.so 2>/dev/null | head -n 1)
+    driver=$(find "$deps_root" -name libvulkan_lvp.so 2>/dev/null | head -n 1 || true)
     {
         echo "# Written by ./dev deps. Use: eval \"\$(./dev env)\""
         printf 'export PARHELION_DEPS_ROOT=%q\n' "$deps_root"
