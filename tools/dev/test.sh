@@ -1,7 +1,8 @@
 # shellcheck shell=bash disable=SC1091,SC2016,SC2034,SC2154
 # ./dev test, truth, soak: CTest runs the GoogleTest programs, two at a time; every test case is counted from their output.
 
-# Reads CTest's log. Prints to stdout: "pass|fail|skip SECONDS NAME" for each test case, or for each program that is no GoogleTest.
+# list_results JUNIT LOG: reads what CTest writes (only the JUnit file knows which programs were skipped as a whole).
+# Prints "pass|fail|skip SECONDS NAME" for each test case, and for each program that is no GoogleTest.
 list_results() {
     awk '
         function cut(text, mark) { text = substr(text, index(text, mark) + length(mark)); sub(/ \([0-9]+ ms\).*$/, "", text); return text }
@@ -13,6 +14,7 @@ list_results() {
                 running = ""
             }
         }
+        FNR == NR { if (match($0, /<testcase name="[^"]*"/)) name = substr($0, RSTART + 16, RLENGTH - 17); if (/<skipped/) skipped[name] = 1; next }
         /^[0-9]+\/[0-9]+ Testing: / { program = substr($0, index($0, "Testing: ") + 9); running = ""; cases = 0; failures = 0; is_gtest = 0; seconds = 0; absent = 0 }
         /^Command: ""$/ { absent = 1 }
         /\[==========\]/ { is_gtest = 1 }
@@ -22,12 +24,13 @@ list_results() {
         index($0, "[  FAILED  ] ") { result("fail", $0, "[  FAILED  ] ") }
         index($0, "[  SKIPPED ] ") { result("skip", $0, "[  SKIPPED ] ") }
         /^Test time = / { seconds = $4 }
-        /^Test (Passed|Failed|Skipped)\.$/ {
+        /^Test (Passed|Failed)\.$/ {
             passed = ($0 == "Test Passed." && !absent)
             if (running != "") { printf "fail %.3f %s (did not finish)\n", seconds, running; ++failures; running = "" }
-            if (!is_gtest) printf "%s %.3f %s\n", passed ? "pass" : ($2 == "Skipped." ? "skip" : "fail"), seconds, program
+            if (!is_gtest || (passed && cases == 0 && program in skipped))
+                printf "%s %.3f %s\n", passed ? (program in skipped ? "skip" : "pass") : "fail", seconds, program
             else if (!passed && failures == 0) printf "fail %.3f %s (the program as a whole)\n", seconds, program
-        }' "$1"
+        }' "$1" "$2"
 }
 
 run_tests() { # run_tests PRESET FILTER CTEST-ARGUMENTS...: prints the summary; 1 if anything failed
@@ -46,17 +49,17 @@ run_tests() { # run_tests PRESET FILTER CTEST-ARGUMENTS...: prints the summary; 
         export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_stack_use_after_return=1} UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
         export LSAN_OPTIONS=${LSAN_OPTIONS:-suppressions=$root/tools/dev/lsan.supp:print_suppressions=0}
     fi
-    rm -f "$folder/Testing/Temporary/LastTest.log"
-    ctest --test-dir "$folder" -j2 --output-on-failure --no-tests=error "$@" || status=$?
-    [[ -f $folder/Testing/Temporary/LastTest.log ]] || die "no test ran"
-    list_results "$folder/Testing/Temporary/LastTest.log" >"$results"
+    rm -f "$folder/Testing/Temporary/LastTest.log" "$folder/test-results.xml"
+    ctest --test-dir "$folder" -j2 --output-on-failure --output-junit "$folder/test-results.xml" --no-tests=error "$@" || status=$?
+    [[ -f $folder/Testing/Temporary/LastTest.log && -f $folder/test-results.xml ]] || die "no test ran"
+    list_results "$folder/test-results.xml" "$folder/Testing/Temporary/LastTest.log" >"$results"
     passed=$(grep -c '^pass ' "$results" || true)
     failed=$(grep -c '^fail ' "$results" || true)
     skipped=$(grep -c '^skip ' "$results" || true)
     # A failure that left no line in the log is still one.
     if [[ $status -ne 0 && $failed -eq 0 ]]; then failed=1; fi
     printf '\nThe ten slowest tests:\n'
-    sort -k2,2 -rn "$results" | head -n 10 | awk '{ seconds = $2; $1 = $2 = ""; printf "  %8.2f s %s\n", seconds, $0 }'
+    sort -k2,2 -rn "$results" | awk 'NR <= 10 { seconds = $2; $1 = $2 = ""; printf "  %8.2f s %s\n", seconds, $0 }'
     if [[ $skipped -gt 0 ]]; then
         printf '\nSkipped%s:\n' "$($require_all && echo ', which fails here')"
         awk '$1 == "skip" { $1 = $2 = ""; print " " $0 }' "$results"
