@@ -116,7 +116,8 @@ bundle_tests() { # bundle_tests FOLDER PROGRAM...: tests/ with the programs, the
         patchelf --set-rpath '$ORIGIN/../lib' "$folder/tests/${program##*/}"
     done
     # What the tests read from the tree: shaders, sources (the include table) and golden files.
-    tar -C "$root" --exclude=./build --exclude=./out --exclude=./.git -cf - . | { mkdir -p "$folder/tests/tree" && tar -C "$folder/tests/tree" -xf -; }
+    mkdir -p "$folder/tests/tree"
+    git -C "$root" ls-files -co --exclude-standard -z | tar -C "$root" --null --no-recursion -T - -cf - | tar -C "$folder/tests/tree" -xf -
     cat >"$folder/tests/run" <<'TEXT'
 #!/bin/sh
 # Runs every test program, or those named, on this machine's Vulkan devices.
