@@ -125,7 +125,7 @@ unpack() {
 
 # Absolute paths inside: written anew whenever the tree has moved.
 write_env() {
-    local driver
+    local driver icd=$deps_dir/lavapipe.json
     mkdir -p "$deps_dir"
     driver=$(find "$deps_root" -name libvulkan_lvp.so 2>/dev/null | head -n 1 || true)
     {
@@ -134,11 +134,13 @@ write_env() {
         if [[ -n $driver ]]; then
             # Added to the drivers that the loader finds by itself, so that a GPU stays visible.
             printf 'case ":${VK_ADD_DRIVER_FILES:-}:" in *:%q:*) ;; *) export VK_ADD_DRIVER_FILES=%q"${VK_ADD_DRIVER_FILES:+:$VK_ADD_DRIVER_FILES}" ;; esac\n' \
-                "$deps_dir/lvp_icd.json" "$deps_dir/lvp_icd.json"
+                "$icd" "$icd"
+            # An older lavapipe of the system would stand beside it under the same name.
+            if [[ -n $(installed_version mesa-vulkan-drivers) ]]; then echo 'export VK_LOADER_DRIVERS_DISABLE="lvp_icd*"'; fi
         fi
     } >"$deps_dir/env.sh.new"
     if [[ -n $driver ]]; then
-        printf '{"file_format_version": "1.0.0", "ICD": {"library_path": "%s", "api_version": "1.4.305"}}\n' "$driver" >"$deps_dir/lvp_icd.json"
+        printf '{"file_format_version": "1.0.0", "ICD": {"library_path": "%s", "api_version": "1.4.305"}}\n' "$driver" >"$icd"
     fi
     mv "$deps_dir/env.sh.new" "$deps_dir/env.sh"
 }
