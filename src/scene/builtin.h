@@ -1,0 +1,42 @@
+#pragma once
+// Built-in scenes: code, deterministic, for tests, first pictures and benchmarks. Names begin with "builtin:".
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace parhelion {
+
+// A motion that a scene declares: `parhelion render --animate NAME`. apply(t) gives the edit that puts the scene into its state at
+// t seconds; it depends on t alone.
+struct ScriptedEdit {
+    std::string name, help;
+    std::function<SceneEdit(double seconds)> apply;
+};
+
+struct LoadedScene {
+    Scene scene;
+    std::vector<ScriptedEdit> scripted_edits;
+};
+
+struct BuiltinEntry {
+    std::string_view name;  // with "builtin:"
+    std::string_view help;
+};
+const std::vector<BuiltinEntry>& builtin_scenes();
+bool is_builtin(std::string_view name);
+
+// Numbers that a built-in scene may take; each scene reads the ones that its help names.
+struct BuiltinOptions {
+    glm::vec3 albedo{0.5f};       // furnace, diffuse-box
+    glm::vec3 emission{0.5f};     // diffuse-box: nits of every wall; furnace: nits of the environment
+    float roughness = 1.0f;       // furnace: below 1 or with metallic the surface is not pure Lambert
+    float metallic = 0.0f;
+};
+
+// Throws a usage Error that lists all names.
+LoadedScene make_builtin(std::string_view name, const BuiltinOptions& options = {});
+
+}  // namespace parhelion

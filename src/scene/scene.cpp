@@ -1,0 +1,67 @@
+#include "scene/scene.h"
+
+#include <cmath>
+
+namespace parhelion {
+
+glm::mat3 uv_transform(const TextureRef& ref) {
+    // Counter-clockwise as seen, with v pointing down: u turns towards -v.
+    const float c = std::cos(ref.rotation), s = std::sin(ref.rotation);
+    return {glm::vec3(c * ref.scale.x, -s * ref.scale.x, 0.0f), glm::vec3(s * ref.scale.y, c * ref.scale.y, 0.0f), glm::vec3(ref.offset, 1.0f)};
+}
+
+glm::mat4 matrix_of(const Transform& transform) {
+    if (transform.matrix) return *transform.matrix;
+    glm::mat4 m = glm::mat4_cast(transform.rotation);
+    m[0] *= transform.scale.x;
+    m[1] *= transform.scale.y;
+    m[2] *= transform.scale.z;
+    m[3] = glm::vec4(transform.translation, 1.0f);
+    return m;
+}
+
+bool mirrors(const glm::mat4& world_from_object) { return glm::determinant(glm::dmat3(glm::mat3(world_from_object))) < 0.0; }
+
+bool drawable(const glm::mat4& world_from_object) {
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 4; ++row)
+            if (!std::isfinite(world_from_object[column][row])) return false;
+    // The inverse, in float, must be finite too.
+    const glm::dmat3 inverse = glm::inverse(glm::dmat3(glm::mat3(world_from_object)));
+    for (int column = 0; column < 3; ++column)
+        for (int row = 0; row < 3; ++row)
+            if (!(std::abs(inverse[column][row]) < 1e30)) return false;
+    return true;
+}
+
+template <>
+ChangeSet::Changed<Image>& ChangeSet::of<Image>() { return images; }
+template <>
+ChangeSet::Changed<Texture>& ChangeSet::of<Texture>() { return textures; }
+template <>
+ChangeSet::Changed<Material>& ChangeSet::of<Material>() { return materials; }
+template <>
+ChangeSet::Changed<Mesh>& ChangeSet::of<Mesh>() { return meshes; }
+template <>
+ChangeSet::Changed<Node>& ChangeSet::of<Node>() { return nodes; }
+template <>
+ChangeSet::Changed<Instance>& ChangeSet::of<Instance>() { return instances; }
+template <>
+ChangeSet::Changed<Light>& ChangeSet::of<Light>() { return lights; }
+template <>
+ChangeSet::Changed<Camera>& ChangeSet::of<Camera>() { return cameras; }
+
+Bounds Scene::bounds() const {
+    Bounds world;
+    for (const auto& [handle, instance] : instances()) {
+        const Bounds& box = get(instance.mesh).bounds;
+        if (box.empty() || !drawable(instance.place.world_from_object)) continue;
+        for (int corner = 0; corner < 8; ++corner) {
+            const glm::vec3 p(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y, corner & 4 ? box.max.z : box.min.z);
+            world.add(glm::vec3(instance.place.world_from_object * glm::vec4(p, 1.0f)));
+        }
+    }
+    return world;
+}
+
+}  // namespace parhelion

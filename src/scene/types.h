@@ -1,0 +1,218 @@
+#pragma once
+// What a scene is made of, as plain structs: the core of glTF 2.0 and the material extensions that are drawn. Metres, radians,
+// right-handed with +Y up, column vectors; radiance in nits. Fields marked "kept by Scene" are computed by Scene::apply.
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#include "scene/handle.h"
+
+namespace parhelion {
+
+struct Mesh;
+struct Material;
+struct Image;
+struct Texture;
+struct Node;
+struct Instance;
+struct Light;
+struct Camera;
+
+struct Bounds {
+    glm::vec3 min{1e30f}, max{-1e30f};  // empty until something is added
+    bool empty() const { return !(min.x <= max.x); }
+    glm::vec3 center() const { return 0.5f * (min + max); }
+    float diagonal() const { return empty() ? 0.0f : glm::length(max - min); }
+    void add(glm::vec3 p) { min = glm::min(min, p), max = glm::max(max, p); }
+    void add(const Bounds& b) { min = glm::min(min, b.min), max = glm::max(max, b.max); }
+};
+
+// ---- images and materials ----
+
+// Eight-bit RGBA, rows from the top. How the bytes are to be read (sRGB or linear) is said by the Texture.
+struct Image {
+    static constexpr std::string_view kTypeName = "image";
+    std::string name;
+    uint32_t width = 0, height = 0;
+    std::vector<uint8_t> rgba;  // 4 * width * height
+};
+
+enum class Wrap { Repeat, MirroredRepeat, ClampToEdge };
+enum class Filter { Nearest, Linear };
+
+struct Sampler {
+    Wrap wrap_u = Wrap::Repeat, wrap_v = Wrap::Repeat;
+    Filter mag = Filter::Linear, min = Filter::Linear;
+    std::optional<Filter> mip = Filter::Linear;  // none: only the finest level is read
+    friend bool operator==(const Sampler&, const Sampler&) = default;
+};
+
+// Srgb for colours (base colour, emission), Linear for data (normals, metallic-roughness). A file that uses one image both ways
+// becomes two textures of one image.
+enum class ColorSpace { Srgb, Linear };
+
+struct Texture {
+    static constexpr std::string_view kTypeName = "texture";
+    std::string name;
+    Handle<Image> image;
+    Sampler sampler;
+    ColorSpace color_space = ColorSpace::Srgb;
+};
+
+// A texture as a material uses it. UVs have their origin at the image's upper left, v down.
+struct TextureRef {
+    Handle<Texture> texture;  // none: constant 1
+    uint32_t uv_set = 0;      // 0 or 1
+    glm::vec2 offset{0.0f}, scale{1.0f};
+    float rotation = 0.0f;  // radians, of the UVs, counter-clockwise as the image is seen (KHR_texture_transform)
+};
+// uv' = uv_transform(ref) * vec3(uv, 1): scale, then rotation, then offset.
+glm::mat3 uv_transform(const TextureRef& ref);
+
+enum class AlphaMode { Opaque, Mask, Blend };
+
+// glTF's metallic-roughness material. Factors multiply textures; colours are linear Rec. 709.
+struct Material {
+    static constexpr std::string_view kTypeName = "material";
+    std::string name;
+    glm::vec4 base_color{1.0f};
+    TextureRef base_color_texture;
+    float metallic = 1.0f, roughness = 1.0f;  // perceptual roughness: alpha = roughness^2
+    TextureRef metal_rough_texture;           // metallic in blue, roughness in green
+    TextureRef normal_texture;
+    float normal_scale = 1.0f;
+    glm::vec3 emission{0.0f};  // nits: emissiveFactor x emissiveStrength
+    TextureRef emissive_texture;
+    AlphaMode alpha_mode = AlphaMode::Opaque;
+    float alpha_cutoff = 0.5f;
+    bool double_sided = false;
+    bool unlit = false;  // KHR_materials_unlit
+    float ior = 1.5f;    // KHR_materials_ior
+    float specular = 1.0f;      // KHR_materials_specular; 0 with metallic 0: pure Lambert
+    float transmission = 0.0f;  // KHR_materials_transmission
+};
+
+// ---- geometry ----
+
+// Triangles with one material. Attribute arrays are empty or as long as `positions`; indices lie below that length.
+struct Primitive {
+    std::vector<glm::vec3> positions;
+    std::vector<glm::vec3> normals;   // unit; empty: flat, the triangle's own normal is the shading normal
+    std::vector<glm::vec4> tangents;  // unit, handedness in w (bitangent = cross(n, t) * w); filled where a normal map needs them
+    std::vector<glm::vec2> uv0, uv1;
+    std::vector<glm::vec4> colors;      // linear, in [0, 1]
+    std::vector<glm::uvec3> triangles;  // counter-clockwise seen from the front
+    Handle<Material> material;
+    Bounds bounds;  // kept by Scene
+};
+
+struct Mesh {
+    static constexpr std::string_view kTypeName = "mesh";
+    std::string name;
+    std::vector<Primitive> primitives;
+    Bounds bounds;                // kept by Scene
+    uint64_t triangle_count = 0;  // kept by Scene
+};
+
+// ---- placement ----
+
+// Translation * rotation * scale, or a matrix instead.
+struct Transform {
+    glm::vec3 translation{0.0f};
+    glm::quat rotation{1.0f, 0.0f, 0.0f, 0.0f};  // w, x, y, z; unit
+    glm::vec3 scale{1.0f};
+    std::optional<glm::mat4> matrix;
+};
+glm::mat4 matrix_of(const Transform& transform);
+
+// A node of the hierarchy. Add parents before their children.
+struct Node {
+    static constexpr std::string_view kTypeName = "node";
+    std::string name;
+    Handle<Node> parent;  // none: a root
+    Transform local;
+    glm::dmat4 world_from_node{1.0};  // kept by Scene, like all below
+    std::vector<Handle<Node>> children;
+    std::vector<Handle<Instance>> instances;
+    std::vector<Handle<Light>> lights;
+    std::vector<Handle<Camera>> cameras;
+};
+
+// Where something stands: relative to a node, or in the world if it has none.
+struct Placement {
+    Handle<Node> node;
+    glm::mat4 node_from_object{1.0f};
+    glm::mat4 world_from_object{1.0f};         // kept by Scene
+    glm::mat4 world_from_object_before{1.0f};  // kept by Scene: one frame ago
+};
+
+struct Instance {
+    static constexpr std::string_view kTypeName = "instance";
+    Handle<Mesh> mesh;
+    Placement place;
+};
+
+// True if the transform mirrors: front faces then wind clockwise (glTF 2.0, 3.7.4).
+bool mirrors(const glm::mat4& world_from_object);
+// False for singular or non-finite transforms: nothing of the instance can be seen.
+bool drawable(const glm::mat4& world_from_object);
+
+// ---- lights, cameras, environment ----
+
+enum class LightKind { Directional, Point, Spot };
+
+// KHR_lights_punctual. Stands at the origin of its placement and shines along its -Z; scale has no effect.
+struct Light {
+    static constexpr std::string_view kTypeName = "light";
+    std::string name;
+    LightKind kind = LightKind::Point;
+    glm::vec3 color{1.0f};
+    float intensity = 1.0f;  // directional: lux on a surface that faces it; point, spot: candela
+    float range = 0.0f;      // metres; 0: infinite
+    float inner_cone = 0.0f, outer_cone = 0.78539816f;  // spot: half angles
+    float angular_radius = 0.0f;                        // directional: 0 is a delta light
+    Placement place;
+};
+
+enum class CameraKind { Perspective, Orthographic };
+
+// Looks along the -Z of its placement with +Y up; scale has no effect.
+struct Camera {
+    static constexpr std::string_view kTypeName = "camera";
+    std::string name;
+    CameraKind kind = CameraKind::Perspective;
+    float yfov = 0.8f;                // perspective: full vertical angle
+    float xmag = 1.0f, ymag = 1.0f;   // orthographic: half extents in metres
+    float near_plane = 0.01f;         // for depth values; rays start at the camera
+    std::optional<float> far_plane;   // none: infinite
+    Placement place;
+};
+
+// Radiance from infinitely far. Equirectangular: u = 0.5 is seen along -Z and grows to the right, v from +Y (0) to -Y (1).
+// Nits along a direction are `scale` x the image, or `scale` alone where there is no image.
+struct Environment {
+    std::string name;
+    uint32_t width = 0, height = 0;
+    std::vector<glm::vec3> radiance;  // width * height, rows from the top, linear Rec. 709
+    glm::vec3 scale{0.0f};            // 0: black
+    float rotation = 0.0f;            // radians about +Y, counter-clockwise seen from above
+    bool black() const { return scale == glm::vec3(0.0f); }
+};
+
+// Where a scene came from, for `parhelion info`.
+struct SceneSource {
+    std::string name;  // file or builtin:name
+    std::string generator, copyright;
+    std::vector<std::string> extensions_used, extensions_required;
+    std::vector<std::string> extensions_not_drawn;  // used by the file, not (fully) in the picture
+    std::vector<std::string> warnings;
+    uint32_t animation_count = 0, skin_count = 0, morphed_mesh_count = 0;
+    uint64_t file_bytes = 0;  // all files that were read
+};
+
+}  // namespace parhelion
