@@ -10,6 +10,10 @@ check_preset() {
 }
 
 configure_and_build() { # configure_and_build PRESET [TARGET...]
+    with_lock "$build_dir/$1.lock" configure_and_build_locked "$@"
+}
+
+configure_and_build_locked() {
     local preset=$1 folder=$build_dir/$1 warnings=OFF cache jobs
     shift
     cache=$folder/CMakeCache.txt

@@ -60,3 +60,18 @@ load_env() {
         . "$deps_dir/env.sh"
     fi
 }
+
+# One ./dev at a time works on a folder: with_lock FILE COMMAND... (in a subshell)
+with_lock() {
+    local lock=$1
+    shift
+    mkdir -p "${lock%/*}"
+    (
+        if ! flock -n 9; then
+            say "dev: another ./dev is at work on ${lock%.lock}: waiting for it"
+            flock 9
+        fi
+        # What is started inside does not keep the lock.
+        "$@" 9>&-
+    ) 9>"$lock"
+}

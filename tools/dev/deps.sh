@@ -140,12 +140,18 @@ write_env() {
         fi
     } >"$deps_dir/env.sh.new"
     if [[ -n $driver ]]; then
-        printf '{"file_format_version": "1.0.0", "ICD": {"library_path": "%s", "api_version": "1.4.305"}}\n' "$driver" >"$icd"
+        printf '{"file_format_version": "1.0.0", "ICD": {"library_path": "%s", "api_version": "1.4.305"}}\n' "$driver" >"$icd.new"
+        mv "$icd.new" "$icd"
     fi
     mv "$deps_dir/env.sh.new" "$deps_dir/env.sh"
 }
 
 ensure_deps() { # ensure_deps [--yes]
+    with_lock "$deps_dir.lock" ensure_deps_locked "$@"
+    load_env
+}
+
+ensure_deps_locked() {
     local assume_yes=false release wanted entry
     if [[ ${1:-} == --yes || ${1:-} == -y ]]; then assume_yes=true; shift; fi
     [[ $# -eq 0 ]] || usage_error "deps: unknown argument '$1'"
@@ -172,7 +178,6 @@ ensure_deps() { # ensure_deps [--yes]
         printf '%s\n' "$stamp" >"$deps_dir/unpacked.stamp"
     fi
     write_env
-    load_env
 }
 
 cmd_deps() {
