@@ -1,0 +1,30 @@
+// Lets a pure function be written once and compiled as GLSL and as C++20, so that the host computes the very same bits.
+// Such a file keeps to what both languages know: SHARED_FN before each function, SHARED_INOUT(T) for an `inout T` parameter,
+// functional casts, float literals with f, members instead of swizzles. Only operations that are exact (integers, conversions
+// of at most 24 bits, products with powers of two) are promised to agree between devices.
+#ifndef PARHELION_SHARED_FUNCTIONS_H
+#define PARHELION_SHARED_FUNCTIONS_H
+#include "shared/types.h"
+#ifdef __cplusplus
+#include <bit>
+
+#define SHARED_FN inline
+#define SHARED_INOUT(T) T&
+namespace parhelion::shared {
+
+// GLSL's built-in functions that such files use.
+constexpr int findLSB(uint v) { return v == 0u ? -1 : std::countr_zero(v); }
+constexpr uint bitfieldReverse(uint v) {
+    v = ((v >> 1) & 0x55555555u) | ((v & 0x55555555u) << 1);
+    v = ((v >> 2) & 0x33333333u) | ((v & 0x33333333u) << 2);
+    v = ((v >> 4) & 0x0F0F0F0Fu) | ((v & 0x0F0F0F0Fu) << 4);
+    v = ((v >> 8) & 0x00FF00FFu) | ((v & 0x00FF00FFu) << 8);
+    return (v >> 16) | (v << 16);
+}
+
+}  // namespace parhelion::shared
+#else
+#define SHARED_FN
+#define SHARED_INOUT(T) inout T
+#endif
+#endif
