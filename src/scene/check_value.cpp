@@ -1,0 +1,119 @@
+// What an edit may put into a scene: sizes that agree, indices in range, finite numbers. Renderers rely on it.
+#include <cmath>
+
+#include "scene/scene_refs.h"
+
+namespace parhelion::detail {
+
+namespace {
+
+template <class T>
+[[noreturn]] void fail(const T& object, std::string what, std::string hint = {}) {
+    throw Error(ErrorCode::Failed, std::move(what), fmt::format("{} '{}'", T::kTypeName, escape_name(object.name)), std::move(hint));
+}
+
+bool finite(float x) { return std::isfinite(x); }
+template <glm::length_t N>
+bool finite(const glm::vec<N, float, glm::defaultp>& v) {
+    for (glm::length_t i = 0; i < N; ++i)
+        if (!std::isfinite(v[i])) return false;
+    return true;
+}
+bool finite(const glm::mat4& m) { return finite(m[0]) && finite(m[1]) && finite(m[2]) && finite(m[3]); }
+
+template <class V>
+bool all_finite(const std::vector<V>& values) {
+    for (const V& v : values)
+        if (!finite(v)) return false;
+    return true;
+}
+
+bool valid_ref(const TextureRef& ref) { return ref.uv_set <= 1 && finite(ref.offset) && finite(ref.scale) && finite(ref.rotation); }
+
+template <class V>
+void check_attribute(const Mesh& mesh, const Primitive& primitive, const std::vector<V>& values, std::string_view name) {
+    if (!values.empty() && values.size() != primitive.positions.size())
+        fail(mesh, fmt::format("has {} {} for {} positions", values.size(), name, primitive.positions.size()));
+    if (!all_finite(values)) fail(mesh, fmt::format("its {} have a value that is not finite", name));
+}
+
+}  // namespace
+
+void check_value(const Image& image) {
+    const uint64_t expected = uint64_t(image.width) * image.height;
+    if (expected == 0 || image.rgba.size() / 4 != expected || image.rgba.size() % 4 != 0)
+        fail(image, fmt::format("has {} bytes for {} x {} pixels of 4 bytes", image.rgba.size(), image.width, image.height));
+}
+
+void check_value(const Texture&) {}
+
+void check_value(const Material& m) {
+    const bool numbers = finite(m.base_color) && finite(m.metallic) && finite(m.roughness) && finite(m.normal_scale) && finite(m.emission) &&
+                         finite(m.alpha_cutoff) && finite(m.ior) && finite(m.specular) && finite(m.transmission);
+    if (!numbers) fail(m, "has a number that is not finite");
+    if (m.emission.x < 0.0f || m.emission.y < 0.0f || m.emission.z < 0.0f) fail(m, "emits negative light");
+    for (const TextureRef* ref : {&m.base_color_texture, &m.metal_rough_texture, &m.normal_texture, &m.emissive_texture})
+        if (!valid_ref(*ref)) fail(m, "has a texture with a UV set other than 0 and 1, or a transform that is not finite");
+}
+
+void check_value(const Mesh& mesh) {
+    for (const Primitive& primitive : mesh.primitives) {
+        const size_t vertices = primitive.positions.size();
+        if (vertices > 0xFFFFFFFFull || primitive.triangles.size() > 0xFFFFFFFFull / 3) fail(mesh, "has more than 2^32 indices");
+        if (!all_finite(primitive.positions)) fail(mesh, "has a position that is not finite");
+        check_attribute(mesh, primitive, primitive.normals, "normals");
+        check_attribute(mesh, primitive, primitive.tangents, "tangents");
+        check_attribute(mesh, primitive, primitive.uv0, "texture coordinates");
+        check_attribute(mesh, primitive, primitive.uv1, "second texture coordinates");
+        check_attribute(mesh, primitive, primitive.colors, "colours");
+        for (const glm::uvec3& t : primitive.triangles)
+            if (t.x >= vertices || t.y >= vertices || t.z >= vertices)
+                fail(mesh, fmt::format("triangle ({}, {}, {}) names a vertex beyond {}", t.x, t.y, t.z, vertices));
+    }
+}
+
+void check_value(const Transform& transform) {
+    const glm::quat& q = transform.rotation;
+    const bool good = transform.matrix ? finite(*transform.matrix)
+                                       : finite(transform.translation) && finite(transform.scale) && finite(glm::vec4(q.x, q.y, q.z, q.w));
+    if (!good) throw Error(ErrorCode::Failed, "has a number that is not finite", "transform");
+}
+
+void check_value(const Node& node) { check_value(node.local); }
+void check_value(const Instance& instance) {
+    if (!finite(instance.place.node_from_object)) throw Error(ErrorCode::Failed, "has a number that is not finite", "instance transform");
+}
+
+void check_value(const Light& light) {
+    if (!finite(light.color) || !finite(light.intensity) || !finite(light.range) || !finite(light.angular_radius) || !finite(light.place.node_from_object))
+        fail(light, "has a number that is not finite");
+    if (light.intensity < 0.0f || light.color.x < 0.0f || light.color.y < 0.0f || light.color.z < 0.0f) fail(light, "has negative intensity");
+    if (light.range < 0.0f || light.angular_radius < 0.0f) fail(light, "has a negative range or size");
+    constexpr float kHalfPi = 1.5707964f;
+    if (light.kind == LightKind::Spot && !(light.inner_cone >= 0.0f && light.inner_cone <= light.outer_cone && light.outer_cone <= kHalfPi))
+        fail(light, "its cone angles are out of order", "0 <= inner <= outer <= 90 degrees");
+}
+
+void check_value(const Camera& camera) {
+    constexpr float kPi = 3.1415927f;
+    if (!finite(camera.place.node_from_object)) fail(camera, "has a number that is not finite");
+    const bool perspective = camera.kind == CameraKind::Perspective;
+    if (perspective && !(camera.yfov > 0.0f && camera.yfov < kPi)) fail(camera, "its vertical angle is not between 0 and 180 degrees");
+    if (!perspective && !(camera.xmag > 0.0f && camera.ymag > 0.0f && finite(camera.xmag) && finite(camera.ymag)))
+        fail(camera, "its extents are not positive");
+    if (!(camera.near_plane >= 0.0f && finite(camera.near_plane)) || (perspective && camera.near_plane == 0.0f))
+        fail(camera, "its near plane is not positive");
+    if (camera.far_plane && !(*camera.far_plane > camera.near_plane && finite(*camera.far_plane))) fail(camera, "its far plane is not beyond the near plane");
+}
+
+void check_value(const Environment& environment) {
+    const auto bad = [&](std::string what) { throw Error(ErrorCode::Failed, std::move(what), fmt::format("environment '{}'", escape_name(environment.name))); };
+    if (uint64_t(environment.width) * environment.height != environment.radiance.size())
+        bad(fmt::format("has {} values for {} x {} pixels", environment.radiance.size(), environment.width, environment.height));
+    if (!finite(environment.scale) || !finite(environment.rotation) || !all_finite(environment.radiance)) bad("has a number that is not finite");
+    for (const glm::vec3& radiance : environment.radiance)
+        if (radiance.x < 0.0f || radiance.y < 0.0f || radiance.z < 0.0f) bad("has negative radiance");
+    if (environment.scale.x < 0.0f || environment.scale.y < 0.0f || environment.scale.z < 0.0f) bad("has negative intensity");
+}
+
+}  // namespace parhelion::detail
