@@ -1,0 +1,209 @@
+#include "session/option_table.h"
+
+namespace parhelion {
+
+namespace {
+
+constexpr uint32_t kRender = command_bit(Command::Render);
+constexpr uint32_t kCompare = command_bit(Command::Compare);
+constexpr uint32_t kMerge = command_bit(Command::Merge);
+constexpr uint32_t kDevices = command_bit(Command::Devices);
+constexpr uint32_t kInfo = command_bit(Command::Info);
+constexpr uint32_t kBench = command_bit(Command::Bench);
+constexpr uint32_t kSettings = command_bit(Command::Settings);
+constexpr uint32_t kHelp = command_bit(Command::Help);
+
+constexpr std::string_view kUseSpp = "use --spp N: a path tracer adds samples to one picture";
+constexpr std::string_view kUseFrames = "use --frames N: the realtime renderer makes frames";
+constexpr std::string_view kPathTracersOnly = "leave it out: only the path tracers have it";
+constexpr std::string_view kRealtimeOnly = "leave it out: only --renderer realtime has it";
+constexpr uint32_t kLength = 1, kViewpoint = 2;  // exclusive groups
+
+const OptionSpec kOptions[] = {
+    // The picture
+    {.name = "--renderer", .section = "Picture", .commands = kRender, .kind = ValueKind::Choice, .value = "NAME", .fallback = "reference",
+     .help = "how light is computed", .choices = "reference|wavefront|realtime", .absent_choices = "wavefront|realtime"},
+    {.name = "--size", .section = "Picture", .commands = kRender, .kind = ValueKind::Size, .value = "WxH", .fallback = "1280x720",
+     .help = "width and height of the picture in pixels"},
+    {.name = "--seed", .section = "Picture", .commands = kRender, .kind = ValueKind::Integer, .value = "S", .fallback = "0",
+     .help = "another seed gives another, equally good, pattern of noise", .max = 4294967295.0},
+    {.name = "--spp", .section = "Picture", .commands = kRender, .kind = ValueKind::Integer, .value = "N", .fallback = "64",
+     .help = "samples per pixel", .min = 1, .max = 1 << 30, .renderers = kPathTracers, .instead = kUseFrames, .exclusive = kLength},
+    {.name = "--spp-range", .section = "Picture", .commands = kRender, .kind = ValueKind::Range, .value = "A-B",
+     .help = "only the samples A <= index < B (multiples of 64): writes a part for `parhelion merge`", .bits = kNotInPreset,
+     .renderers = kPathTracers, .instead = kUseFrames, .exclusive = kLength},
+    {.name = "--frames", .section = "Picture", .commands = kRender, .kind = ValueKind::CountOrRange, .value = "N|A-B",
+     .help = "number of frames, or a range of them", .bits = kAbsent, .renderers = kRealtime, .instead = kUseSpp, .exclusive = kLength},
+    {.name = "--time-budget", .section = "Picture", .commands = kRender, .kind = ValueKind::Duration, .value = "TIME",
+     .help = "stop after this time (30s, 5m, 1h) and write what is finished", .bits = kNotInPreset},
+    {.name = "--max-bounces", .section = "Picture", .commands = kRender, .kind = ValueKind::Integer, .value = "N", .fallback = "16",
+     .help = "longest path in surface hits after the camera's first; 0 is unlimited", .max = 65535},
+    {.name = "--pixel-filter", .section = "Picture", .commands = kRender, .kind = ValueKind::Choice, .value = "NAME", .fallback = "box",
+     .help = "box: rays spread over the pixel; point: all through its centre", .choices = "box|point"},
+    {.name = "--exposure", .section = "Picture", .commands = kRender, .kind = ValueKind::Number, .value = "EV|scene", .fallback = "scene",
+     .help = "EV100 of the PNG; scene: metered by a small probe, printed and recorded", .choices = "scene", .min = -32, .max = 32},
+    {.name = "--tonemap", .section = "Picture", .commands = kRender | kMerge, .kind = ValueKind::Choice, .value = "NAME", .fallback = "agx",
+     .help = "tone curve of the PNG", .choices = "agx|aces|linear"},
+    {.name = "--denoise", .section = "Picture", .commands = kRender, .kind = ValueKind::Choice, .value = "NAME", .fallback = "none",
+     .help = "remove noise from the finished picture", .choices = "none|builtin|oidn", .absent_choices = "builtin|oidn"},
+    {.name = "--upscale", .section = "Picture", .commands = kRender, .kind = ValueKind::Number, .value = "X",
+     .help = "render smaller by this factor and reconstruct", .min = 1, .max = 4, .bits = kAbsent, .renderers = kRealtime, .instead = kRealtimeOnly},
+    {.name = "--average", .section = "Picture", .commands = kRender, .help = "write the mean of all frames after the warm-up",
+     .bits = kAbsent, .renderers = kRealtime, .instead = kUseSpp},
+    {.name = "--warmup", .section = "Picture", .commands = kRender, .kind = ValueKind::Integer, .value = "N",
+     .help = "frames before the first that --average counts", .max = 1 << 20, .bits = kAbsent, .renderers = kRealtime, .instead = kUseSpp},
+
+    // Camera and time
+    {.name = "--camera", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Text, .value = "NAME|INDEX",
+     .help = "a camera of the scene (default: its first; without any, one that frames the scene)", .exclusive = kViewpoint},
+    {.name = "--look-from", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Vector, .value = "x,y,z",
+     .help = "a camera of your own: its position in metres", .exclusive = kViewpoint},
+    {.name = "--look-at", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Vector, .value = "x,y,z",
+     .help = "the point that --look-from looks at (default: the middle of the scene)"},
+    {.name = "--fov", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "DEG",
+     .help = "vertical field of view in degrees", .min = 0.1, .max = 175},
+    {.name = "--time", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "T",
+     .help = "seconds on the scene's clock", .min = 0, .max = 1e6, .bits = kAbsent},
+    {.name = "--fps", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "F",
+     .help = "frames per second of the scene's clock; 0 holds time", .min = 0, .max = 1e6, .bits = kAbsent},
+    {.name = "--animate", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Text, .value = "NAME",
+     .help = "play a scripted edit of a built-in scene", .bits = kAbsent},
+    {.name = "--camera-path", .section = "Camera and time", .commands = kRender, .kind = ValueKind::File, .value = "F.json",
+     .help = "move the camera along a path", .bits = kAbsent},
+
+    // Light
+    {.name = "--env", .section = "Light", .commands = kRender, .kind = ValueKind::File, .value = "F.hdr",
+     .help = "light from an equirectangular picture (.hdr, .exr) in nits"},
+    {.name = "--env-intensity", .section = "Light", .commands = kRender, .kind = ValueKind::Number, .value = "X", .fallback = "1",
+     .help = "factor on the environment's light", .min = 0, .max = 1e9},
+    {.name = "--env-rotation", .section = "Light", .commands = kRender, .kind = ValueKind::Number, .value = "DEG", .fallback = "0",
+     .help = "turns the environment about the vertical", .min = -36000, .max = 36000},
+    {.name = "--no-default-light", .section = "Light", .commands = kRender, .help = "keep a scene without any light black"},
+
+    // Output
+    {.name = "--out", .section = "Output", .commands = kRender | kMerge, .kind = ValueKind::File, .value = "F.exr|F.png",
+     .help = "where the picture goes; give it again for a second format", .bits = kRepeats | kNotInPreset},
+    {.name = "--exr-type", .section = "Output", .commands = kRender | kMerge, .kind = ValueKind::Choice, .value = "TYPE", .fallback = "half",
+     .help = "numbers in the EXR", .choices = "half|float"},
+    {.name = "--aov", .section = "Output", .commands = kRender, .kind = ValueKind::List, .value = "LIST",
+     .help = "further layers of the EXR, separated by commas; path.* stands for all of a group",
+     .choices = "albedo|normal|emission|roughness|depth|motion|path.emission|path.direct_diffuse|path.direct_specular|path.indirect_diffuse|path.indirect_specular|"
+                "path.transmission",
+     .absent_choices = "depth|motion"},
+    {.name = "--checkpoint", .section = "Output", .commands = kRender, .kind = ValueKind::File, .value = "F",
+     .help = "save the state of the render here from time to time", .bits = kNotInPreset, .renderers = kPathTracers, .instead = kPathTracersOnly},
+    {.name = "--checkpoint-every", .section = "Output", .commands = kRender, .kind = ValueKind::Duration, .value = "TIME", .fallback = "60s",
+     .help = "time between two checkpoints", .bits = kNotInPreset, .renderers = kPathTracers, .instead = kPathTracersOnly},
+    {.name = "--resume", .section = "Output", .commands = kRender, .help = "continue from the file of --checkpoint if it is there",
+     .bits = kNotInPreset, .renderers = kPathTracers, .instead = kPathTracersOnly},
+    {.name = "--json", .section = "Output", .commands = kRender | kMerge | kBench, .kind = ValueKind::File, .value = "F",
+     .help = "write the numbers of the run as JSON; - is stdout", .bits = kNotInPreset},
+    {.name = "--json", .section = "Output", .commands = kCompare | kDevices | kInfo | kSettings, .kind = ValueKind::File, .value = "F",
+     .help = "print JSON; --json=F writes it to a file", .bits = kNotInPreset | kOptionalValue},
+    {.name = "--list-frame", .section = "Output", .commands = kRender, .help = "print the passes of the frame with reads, writes and GPU times",
+     .bits = kNotInPreset},
+
+    // Device and settings
+    {.name = "--trace", .section = "Device and settings", .commands = kRender, .kind = ValueKind::Choice, .value = "WAY", .fallback = "auto",
+     .help = "how rays are traced: ray tracing pipeline, ray queries, or our own BVH", .choices = "auto|pipeline|query|compute"},
+    {.name = "--device", .section = "Device and settings", .commands = kRender | kBench, .kind = ValueKind::Text, .value = "NAME|INDEX",
+     .help = "a device of `parhelion devices` (default: the best)", .environment = "PARHELION_DEVICE"},
+    {.name = "--validate", .section = "Device and settings", .commands = kRender, .help = "run under the Vulkan validation layers; a message is a failure",
+     .bits = kNotInPreset},
+    {.name = "--set", .section = "Device and settings", .commands = kRender | kBench, .kind = ValueKind::Assignment, .value = "group.field=value",
+     .help = "change one of the settings that `parhelion settings` lists", .bits = kRepeats},
+    {.name = "--preset", .section = "Device and settings", .commands = kRender, .kind = ValueKind::File, .value = "F.json",
+     .help = "take options from a file; environment and options win over it", .bits = kNotInPreset},
+    {.name = "--print-settings", .section = "Device and settings", .commands = kRender,
+     .help = "print all options as they would be used, in the form of a preset, and end", .bits = kNotInPreset},
+
+    // compare
+    {.name = "--html", .section = "Output", .commands = kCompare, .kind = ValueKind::File, .value = "DIR",
+     .help = "write a report with both pictures and the FLIP map into this folder"},
+    {.name = "--max-flip", .section = "Limits", .commands = kCompare, .kind = ValueKind::Number, .value = "X",
+     .help = "exit with 4 if the mean FLIP error is larger", .min = 0, .max = 1},
+    {.name = "--max-relmse", .section = "Limits", .commands = kCompare, .kind = ValueKind::Number, .value = "X",
+     .help = "exit with 4 if the relative mean squared error is larger", .min = 0, .max = 1e12},
+
+    // devices, info
+    {.name = "--require", .section = "Options", .commands = kDevices, .help = "list what Parhelion needs; exit with 3 if no device has it"},
+    {.name = "--measure", .section = "Options", .commands = kDevices,
+     .help = "time every way to trace on the built-in Cornell box; `auto` itself never measures"},
+    {.name = "--export", .section = "Options", .commands = kInfo, .kind = ValueKind::File, .value = "F.glb",
+     .help = "write the scene as binary glTF", .bits = kAbsent},
+
+    // bench
+    {.name = "--scene", .section = "What runs", .commands = kBench, .kind = ValueKind::Text, .value = "SCENE",
+     .help = "a scene instead of the suite's; may be given again", .bits = kRepeats},
+    {.name = "--trace", .section = "What runs", .commands = kBench, .kind = ValueKind::Choice, .value = "WAY",
+     .help = "one way to trace instead of all that the device has; may be given again", .choices = "pipeline|query|compute", .bits = kRepeats},
+    {.name = "--size", .section = "What runs", .commands = kBench, .kind = ValueKind::Size, .value = "WxH",
+     .help = "size of the pictures (default: the suite's)"},
+    {.name = "--spp", .section = "What runs", .commands = kBench, .kind = ValueKind::Integer, .value = "N",
+     .help = "samples per pixel (default: the suite's)", .min = 1, .max = 1 << 20},
+    {.name = "--baseline", .section = "Output", .commands = kBench, .kind = ValueKind::File, .value = "F.json",
+     .help = "compare with the JSON of an earlier run"},
+
+    // help
+    {.name = "--man", .section = "Options", .commands = kHelp, .help = "print the man page (roff)"},
+    {.name = "--completions", .section = "Options", .commands = kHelp, .kind = ValueKind::Choice, .value = "SHELL",
+     .help = "print the completions of a shell", .choices = "bash|zsh|fish"},
+    {.name = "--markdown", .section = "Options", .commands = kHelp, .help = "print docs/command-line.md"},
+};
+
+const CommandSpec kCommands[] = {
+    {Command::Render, "render", "SCENE", 1, 1, "draw a scene",
+     "SCENE is a .gltf or .glb file or a built-in scene such as builtin:cornell. A scene without a camera gets one that frames it; a scene "
+     "without any light gets a sky, and the program says so.\n\nEXR files hold light in nits before exposure; PNG files are exposed and tone "
+     "mapped. Files appear whole or not at all. The same command on the same device, driver and way to trace gives identical files.",
+     {"parhelion render builtin:cornell --out cornell.png", "parhelion render scene.glb --env sky.hdr --size 1920x1080 --spp 256 --out a.exr --out a.png",
+      "parhelion render scene.glb --look-from 3,2,5 --look-at 0,1,0 --fov 40 --out a.png",
+      "parhelion render scene.glb --spp-range 0-512 --out part0.exr --json part0.json",
+      "parhelion render scene.glb --spp 4096 --checkpoint a.state --resume --out a.exr",
+      "parhelion render builtin:cornell --set sampler.kind=pcg --out a.exr"}},
+    {Command::Compare, "compare", "TEST REFERENCE", 2, 2, "measure how far a picture is from its reference",
+     "Prints mean ratio, MSE, relative MSE, PSNR, SSIM and FLIP of TEST against REFERENCE. Both are exposed with the exposure recorded in the "
+     "reference. F.####.exr stands for a numbered sequence, of which every frame that both sides have is compared.",
+     {"parhelion compare test.exr reference.exr", "parhelion compare test.exr reference.exr --max-flip 0.05 --html report",
+      "parhelion compare 'a.####.exr' 'b.####.exr' --json"}},
+    {Command::Merge, "merge", "PART...", 1, 100000, "join the parts of `render --spp-range` into one picture",
+     "The result is identical, bit for bit, to the picture that one run with all samples writes. Parts may be given in any order. Parts that "
+     "overlap, leave a gap or were made with different settings are refused.",
+     {"parhelion merge part0.exr part1.exr --out whole.exr --out whole.png"}},
+    {Command::Devices, "devices", "", 0, 0, "list the Vulkan devices and what each can do", "",
+     {"parhelion devices", "parhelion devices --require", "parhelion devices --json"}},
+    {Command::Info, "info", "SCENE", 1, 1, "say what is in a scene", "", {"parhelion info scene.glb", "parhelion info builtin:cornell --json"}},
+    {Command::Bench, "bench", "[SUITE]", 0, 1, "measure speed: scenes x renderers x ways to trace",
+     "SUITE is quick (default) or full. Prints a table, and JSON with --json. Compare numbers of one device only.",
+     {"parhelion bench", "parhelion bench full --json now.json --baseline before.json", "parhelion bench --scene scene.glb --trace compute"}},
+    {Command::Settings, "settings", "", 0, 0, "list every setting of --set with its range and default", "", {"parhelion settings"}},
+    {Command::Help, "help", "[COMMAND]", 0, 1, "explain a command", "",
+     {"parhelion help render", "parhelion help --man > parhelion.1", "parhelion help --completions bash > /etc/bash_completion.d/parhelion"}},
+};
+
+constexpr NamedHelp kExitCodes[] = {
+    {"0", "done"},
+    {"1", "failed: a file, the scene or the device"},
+    {"2", "wrong usage"},
+    {"3", "the device lacks something needed; the message says what"},
+    {"4", "a comparison exceeded its limit"},
+    {"130", "interrupted by Ctrl-C; what was finished is written"},
+    {"143", "terminated; what was finished is written"},
+};
+
+constexpr NamedHelp kEnvironment[] = {
+    {"PARHELION_DEVICE", "device, as --device"},
+    {"PARHELION_LOG", "trace, debug, info (default), warn, error or off"},
+    {"PARHELION_CACHE_DIR", "folder of the pipeline caches (default: the user's cache folder)"},
+    {"NO_COLOR", "no colours on the terminal"},
+    {"PARHELION_SHADER_DIR", "for tests: a folder with a shaders.pack that replaces the embedded one"},
+};
+
+}  // namespace
+
+std::span<const CommandSpec> command_table() { return kCommands; }
+std::span<const OptionSpec> option_table() { return kOptions; }
+std::span<const NamedHelp> exit_code_table() { return kExitCodes; }
+std::span<const NamedHelp> environment_table() { return kEnvironment; }
+
+}  // namespace parhelion

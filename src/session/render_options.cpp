@@ -1,0 +1,124 @@
+#include "session/render_options.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+
+namespace parhelion {
+
+namespace {
+
+constexpr uint64_t kSampleBlock = 64;  // samples are summed in blocks of this many
+
+// The position of a Choice's value among its choices, which is the value of the enum.
+template <class Enum>
+Enum read_choice(const OptionValues& values, std::string_view name) {
+    const auto choices = split_choices(find_option(values.command(), name)->choices);
+    return static_cast<Enum>(std::find(choices.begin(), choices.end(), values.text(name)) - choices.begin());
+}
+
+uint32_t read_uint(const OptionValues& values, std::string_view name) { return static_cast<uint32_t>(parse_int(values.text(name), name)); }
+
+std::optional<double> read_optional_number(const OptionValues& values, std::string_view name) {
+    return values.given(name) ? std::optional(parse_float(values.text(name), name)) : std::nullopt;
+}
+
+std::optional<std::array<double, 3>> read_optional_vector(const OptionValues& values, std::string_view name) {
+    return values.given(name) ? std::optional(parse_vec3(values.text(name), name)) : std::nullopt;
+}
+
+void read_length(const OptionValues& values, RenderOptions& options) {
+    if (values.given("--time-budget")) options.time_budget_seconds = parse_duration_seconds(values.text("--time-budget"), "--time-budget");
+    if (!values.given("--spp-range")) {
+        options.samples = {0, read_uint(values, "--spp")};
+        return;
+    }
+    const IndexRange range = parse_range(values.text("--spp-range"), "--spp-range");
+    if (range.begin % kSampleBlock != 0 || range.end % kSampleBlock != 0)
+        throw Error(ErrorCode::Usage, fmt::format("{}-{} does not begin and end at multiples of {}", range.begin, range.end, kSampleBlock), "--spp-range",
+                    fmt::format("use for example {}-{}", range.begin / kSampleBlock * kSampleBlock, (range.end + kSampleBlock - 1) / kSampleBlock * kSampleBlock));
+    constexpr uint64_t kMaxSamples = 1 << 30;
+    if (range.end > kMaxSamples) throw Error(ErrorCode::Usage, fmt::format("{} is out of range", range.end), "--spp-range", fmt::format("up to {}", kMaxSamples));
+    options.samples = range;
+    options.is_part = true;
+}
+
+void read_view(const OptionValues& values, RenderOptions& options) {
+    if (values.given("--camera")) options.camera = values.text("--camera");
+    options.look_from = read_optional_vector(values, "--look-from");
+    options.look_at = read_optional_vector(values, "--look-at");
+    options.fov_degrees = read_optional_number(values, "--fov");
+    if (options.look_at && !options.look_from)
+        throw Error(ErrorCode::Usage, "it needs --look-from", values.where("--look-at"), "say where the camera is: --look-from x,y,z");
+    if (options.look_from && options.look_from == options.look_at)
+        throw Error(ErrorCode::Usage, "it is the same point as --look-from", values.where("--look-at"), "choose two different points");
+    if (values.given("--env")) options.environment = values.text("--env");
+    options.env_intensity = parse_float(values.text("--env-intensity"), "--env-intensity");
+    options.env_rotation_degrees = parse_float(values.text("--env-rotation"), "--env-rotation");
+    options.default_light = !values.flag("--no-default-light");
+}
+
+bool has_extension(const std::filesystem::path& file, std::string_view extension) {
+    std::string own = file.extension().string();
+    std::transform(own.begin(), own.end(), own.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return own == extension;
+}
+
+void check_outputs(const OptionValues& values, const RenderOptions& options) {
+    const bool exr = std::any_of(options.output.files.begin(), options.output.files.end(), [](const auto& file) { return has_extension(file, ".exr"); });
+    if (options.output.files.empty() && !options.list_frame && options.json.empty() && !options.print_settings)
+        throw Error(ErrorCode::Usage, "there is no output", "render", "add --out F.exr or --out F.png");
+    if (options.is_part && (options.output.files.size() != 1 || !exr))
+        throw Error(ErrorCode::Usage, "a part is written to exactly one EXR", "--out", "use --out PART.exr; parhelion merge writes the picture");
+    if (!options.aovs.empty() && !exr) throw Error(ErrorCode::Usage, "layers need an EXR", values.where("--aov"), "add --out F.exr");
+    if (options.resume && options.checkpoint.empty())
+        throw Error(ErrorCode::Usage, "there is nothing to resume from", "--resume", "add --checkpoint F");
+}
+
+}  // namespace
+
+OutputOptions read_output_options(const OptionValues& values) {
+    OutputOptions output;
+    for (const std::string& text : values.texts("--out")) {
+        const std::filesystem::path file = text;
+        if (!has_extension(file, ".exr") && !has_extension(file, ".png"))
+            throw Error(ErrorCode::Usage, fmt::format("'{}' is neither .exr nor .png", escape_name(text)), "--out", "the extension chooses the format");
+        if (std::find(output.files.begin(), output.files.end(), file) != output.files.end())
+            throw Error(ErrorCode::Usage, fmt::format("'{}' is given twice", escape_name(text)), "--out", "leave one out");
+        output.files.push_back(file);
+    }
+    output.exr_float = values.text("--exr-type") == "float";
+    output.tonemap = read_choice<TonemapChoice>(values, "--tonemap");
+    return output;
+}
+
+RenderOptions read_render_options(const OptionValues& values) {
+    RenderOptions options;
+    if (!values.positionals.empty()) options.scene = values.positionals.front();
+    options.renderer = read_choice<RendererKind>(values, "--renderer");
+    options.size = parse_size(values.text("--size"), "--size");
+    options.seed = read_uint(values, "--seed");
+    read_length(values, options);
+    options.max_bounces = read_uint(values, "--max-bounces");
+    options.point_filter = values.text("--pixel-filter") == "point";
+    if (values.text("--exposure") != "scene") options.exposure_ev = parse_float(values.text("--exposure"), "--exposure");
+    read_view(values, options);
+
+    options.output = read_output_options(values);
+    if (values.given("--aov")) options.aovs = expand_list(*find_option(values.command(), "--aov"), values.text("--aov"), values.where("--aov"));
+    if (values.given("--checkpoint")) options.checkpoint = values.text("--checkpoint");
+    options.checkpoint_seconds = parse_duration_seconds(values.text("--checkpoint-every"), "--checkpoint-every");
+    options.resume = values.flag("--resume");
+    if (values.given("--json")) options.json = values.text("--json");
+    options.list_frame = values.flag("--list-frame");
+
+    options.trace = read_choice<TraceChoice>(values, "--trace");
+    if (values.given("--device")) options.device = values.text("--device");
+    options.validate = values.flag("--validate");
+    options.assignments = values.texts("--set");
+    options.print_settings = values.flag("--print-settings");
+    check_outputs(values, options);
+    return options;
+}
+
+}  // namespace parhelion

@@ -1,0 +1,65 @@
+#pragma once
+// The options of `parhelion render` as typed values.
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/parse.h"
+#include "session/options.h"
+
+namespace parhelion {
+
+enum class RendererKind { Reference, Wavefront, Realtime };
+enum class TraceChoice { Auto, Pipeline, Query, Compute };
+enum class TonemapChoice { Agx, Aces, Linear };
+
+// Where a picture goes, and in which form.
+struct OutputOptions {
+    std::vector<std::filesystem::path> files;  // .exr and .png, all different
+    bool exr_float = false;                    // else half
+    TonemapChoice tonemap = TonemapChoice::Agx;
+};
+
+struct RenderOptions {
+    std::string scene;  // file or builtin:NAME; empty with print_settings
+    RendererKind renderer = RendererKind::Reference;
+    Size2 size{1280, 720};
+    uint32_t seed = 0;
+    IndexRange samples{0, 64};  // half open
+    bool is_part = false;       // --spp-range: sums for `merge` instead of a picture
+    std::optional<double> time_budget_seconds;
+    uint32_t max_bounces = 16;  // 0: unlimited
+    bool point_filter = false;
+    std::optional<double> exposure_ev;  // none: metered from the scene
+
+    std::string camera;  // name or index; empty: the scene's first
+    std::optional<std::array<double, 3>> look_from, look_at;
+    std::optional<double> fov_degrees;  // vertical
+
+    std::string environment;  // file; empty: the scene's
+    double env_intensity = 1, env_rotation_degrees = 0;
+    bool default_light = true;
+
+    OutputOptions output;
+    std::vector<std::string> aovs;  // layer names in table order
+    std::filesystem::path checkpoint;  // empty: none
+    double checkpoint_seconds = 60;
+    bool resume = false;
+    std::string json;  // target of write_json
+    bool list_frame = false;
+
+    TraceChoice trace = TraceChoice::Auto;
+    std::string device;
+    bool validate = false;
+    std::vector<std::string> assignments;  // group.field=value, in order
+    bool print_settings = false;
+};
+
+// Values that passed check_options. Throws a usage Error where they do not fit each other.
+RenderOptions read_render_options(const OptionValues& values);
+OutputOptions read_output_options(const OptionValues& values);
+
+}  // namespace parhelion

@@ -1,0 +1,28 @@
+#pragma once
+// The settings of `--set group.field=value`: what a picture depends on and seldom needs an option of its own.
+#include "base/settings.h"
+#include "renderers/view.h"
+
+namespace parhelion {
+
+enum class LightSampling : uint32_t { Mis, Light, Bsdf };
+enum class Culling : uint32_t { None, Gltf };
+
+struct RenderSettings {
+    SamplerKind sampler = SamplerKind::Owen;
+    uint32_t roulette_start = 2;
+    LightSampling light_sampling = LightSampling::Mis;
+    Culling culling = Culling::Gltf;
+};
+
+template <class V>
+void visit(V&& v, RenderSettings& s) {
+    v.field("sampler.kind", s.sampler, choices({"owen", "cranley", "pcg", "white"}),
+            "sample points: Owen-scrambled Sobol, Sobol shifted by blue noise, PCG, white noise");
+    v.field("reference.roulette_start", s.roulette_start, range(1, 65535), "bounce from which paths may end by Russian roulette");
+    v.field("reference.light_sampling", s.light_sampling, choices({"mis", "light", "bsdf"}),
+            "direct light by both samplings weighted, by light sampling alone, or by the BSDF's alone");
+    v.field("scene.culling", s.culling, choices({"none", "gltf"}), "gltf: single-sided surfaces are invisible from behind");
+}
+
+}  // namespace parhelion
