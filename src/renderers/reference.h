@@ -1,0 +1,12 @@
+#pragma once
+// The reference path tracer: unbiased, accumulates to ground truth. Document 002.
+#include "renderers/view.h"
+
+namespace parhelion {
+
+// Records one slice: some samples of some rows. A slice must lie inside one block of 64 samples; it ends the block for its rows
+// when its last sample is the block's last, or when `ends_range` (the last sample of the whole job). Only records: no submit, no
+// wait. Pictures do not depend on how a job is cut into slices.
+void record_reference(Frame& frame, SceneGpu& scene, gpu::TraceWay way, View& view, const shared::Slice& slice, bool ends_range);
+
+}  // namespace parhelion

@@ -1,0 +1,103 @@
+#include "renderers/view.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+
+namespace parhelion {
+
+std::span<const FilmGroup> film_groups() {
+    static const std::vector<FilmGroup> groups = {
+        {"beauty", shared::kFilmBeauty, {"R", "G", "B"}},
+        {"albedo", shared::kFilmAlbedo, {"R", "G", "B"}},
+        {"normal", shared::kFilmNormal, {"X", "Y", "Z"}},
+        {"emission", shared::kFilmEmission, {"R", "G", "B"}},
+        {"roughness", shared::kFilmRoughness, {""}},
+        {"path.emission", shared::kFilmPathEmission, {"R", "G", "B"}},
+        {"path.direct_diffuse", shared::kFilmPathDirectDiffuse, {"R", "G", "B"}},
+        {"path.direct_specular", shared::kFilmPathDirectSpecular, {"R", "G", "B"}},
+        {"path.indirect_diffuse", shared::kFilmPathIndirectDiffuse, {"R", "G", "B"}},
+        {"path.indirect_specular", shared::kFilmPathIndirectSpecular, {"R", "G", "B"}},
+        {"path.transmission", shared::kFilmPathTransmission, {"R", "G", "B"}},
+    };
+    return groups;
+}
+
+namespace {
+
+// "path.*" asks for every group whose name begins with "path.".
+bool is_asked_for(const FilmGroup& group, const std::string& aov) {
+    if (aov.ends_with('*')) return group.name.starts_with(std::string_view(aov).substr(0, aov.size() - 1));
+    return group.name == aov;
+}
+
+void check_aovs(const std::vector<std::string>& aovs) {
+    for (const std::string& aov : aovs) {
+        if (std::ranges::any_of(film_groups(), [&](const FilmGroup& group) { return is_asked_for(group, aov); })) continue;
+        std::string known;
+        for (const FilmGroup& group : film_groups()) known += (known.empty() ? "" : ", ") + std::string(group.name);
+        throw Error(ErrorCode::Usage, fmt::format("there is no AOV '{}'", escape_name(aov)), "--aov", "choose from " + known + ", path.*");
+    }
+}
+
+}  // namespace
+
+View::View(gpu::DevicePtr device, const ViewDesc& desc) : device_(std::move(device)), desc_(desc) {
+    check_aovs(desc.aovs);
+    data_.camera = data_.camera_before = desc.camera;
+    data_.width = desc.width;
+    data_.height = desc.height;
+    data_.seed = desc.seed;
+    data_.sampler_kind = static_cast<uint32_t>(desc.sampler);
+    data_.max_bounces = desc.max_bounces;
+    data_.pixel_filter = static_cast<uint32_t>(desc.filter);
+    data_.roulette_start = desc.roulette_start;
+    data_.light_sampling = desc.light_sampling;
+    for (const FilmGroup& group : film_groups()) {
+        const bool wanted = group.group == shared::kFilmBeauty || std::ranges::any_of(desc.aovs, [&](const std::string& aov) { return is_asked_for(group, aov); });
+        data_.channel[group.group] = wanted ? data_.channel_count : shared::kNoChannel;
+        if (!wanted) continue;
+        for (const std::string_view suffix : group.channels) {
+            const bool beauty = group.group == shared::kFilmBeauty;
+            channels_.push_back(beauty ? std::string(suffix) : std::string(group.name) + (suffix.empty() ? "" : "." + std::string(suffix)));
+            ++data_.channel_count;
+        }
+    }
+    const uint64_t plane = uint64_t(desc.width) * desc.height * sizeof(uint32_t);
+    film_ = {.view = gpu::Buffer(device_, "view/data", sizeof(shared::ViewData)),
+             .block = gpu::Buffer(device_, "film/block", plane * data_.channel_count),
+             .sums = gpu::Buffer(device_, "film/sums", 3 * plane * data_.channel_count),
+             .width = desc.width,
+             .height = desc.height,
+             .channel_count = data_.channel_count};
+}
+
+void View::set_camera(const shared::Camera& camera) {
+    data_.camera_before = data_.camera;
+    data_.camera = camera;
+    desc_.camera = camera;
+    upload_ = true;
+}
+
+void View::prepare(Frame& frame) {
+    if (upload_) frame.upload(film_.view, 0, std::as_bytes(std::span(&data_, 1)));
+    if (clear_) {
+        frame.fill(film_.block, 0);
+        frame.fill(film_.sums, 0);
+    }
+    if (!restored_.empty()) {
+        PARHELION_CHECK(restored_.size() * sizeof(uint32_t) == film_.sums.bytes(), "a restored film has another size");
+        frame.upload(film_.sums, 0, std::as_bytes(std::span(restored_)));
+        restored_.clear();
+    }
+    upload_ = clear_ = false;
+}
+
+FilmReadback View::read_film(Frame& frame) const {
+    const gpu::Buffer copy = frame.read_back(film_.sums);
+    frame.run();
+    const std::span<uint32_t> limbs = copy.mapped_as<uint32_t>();
+    return {channels_, {limbs.begin(), limbs.end()}};
+}
+
+}  // namespace parhelion

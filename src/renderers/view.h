@@ -1,0 +1,74 @@
+#pragma once
+// A view: one camera's picture of a scene, with its film. Several views may look at one scene.
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "frame/frame.h"
+#include "passes/reference/reference.h"
+#include "shared/view.h"
+
+namespace parhelion {
+
+enum class SamplerKind : uint32_t { Owen, Cranley, Pcg, White };
+enum class PixelFilter : uint32_t { Box, Point };
+
+// A group of film channels, by its AOV name: "beauty", "albedo", "path.direct_diffuse", ...
+struct FilmGroup {
+    std::string_view name;
+    uint32_t group;                              // shared::kFilm...
+    std::vector<std::string_view> channels;      // suffixes: R G B, X Y Z, or one empty
+};
+std::span<const FilmGroup> film_groups();  // in order of shared::kFilm...
+
+struct ViewDesc {
+    uint32_t width = 1280, height = 720;
+    shared::Camera camera{};
+    uint32_t seed = 0;
+    uint32_t max_bounces = 16;  // scatterings of a path; 0xFFFFFFFF: unlimited
+    SamplerKind sampler = SamplerKind::Owen;
+    PixelFilter filter = PixelFilter::Box;
+    uint32_t roulette_start = 2;
+    uint32_t light_sampling = 0;  // 0: MIS; 1: light sampling only; 2: BSDF sampling only
+    std::vector<std::string> aovs;  // film groups besides the beauty
+};
+
+// The film's exact sums as read back: limb l of channel c of pixel p is limbs[(3 c + l) * width * height + p].
+struct FilmReadback {
+    std::vector<std::string> channels;  // "R", "G", "B", "albedo.R", ...
+    std::vector<uint32_t> limbs;
+};
+
+class View {
+public:
+    // Throws a usage Error for an AOV that does not exist (lists those that do).
+    View(gpu::DevicePtr device, const ViewDesc& desc);
+
+    const ViewDesc& desc() const { return desc_; }
+    const passes::Film& film() const { return film_; }
+    const std::vector<std::string>& channels() const { return channels_; }
+
+    // The camera of the coming frames; the one until now becomes the previous one. Does not clear the film.
+    void set_camera(const shared::Camera& camera);
+    // Uploads what changed and clears the film where that was asked for; the first passes of a frame.
+    void prepare(Frame& frame);
+    void clear_film() { clear_ = true; }
+    // Continues from sums of an earlier run (--resume).
+    void restore_film(std::vector<uint32_t> limbs) { restored_ = std::move(limbs); }
+
+    // Ends the running block where needed is the renderer's affair; this reads the exact sums.
+    FilmReadback read_film(Frame& frame) const;
+
+private:
+    gpu::DevicePtr device_;
+    ViewDesc desc_;
+    passes::Film film_;
+    shared::ViewData data_{};
+    std::vector<std::string> channels_;
+    std::vector<uint32_t> restored_;
+    bool upload_ = true, clear_ = true;
+};
+
+}  // namespace parhelion

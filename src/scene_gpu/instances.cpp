@@ -1,0 +1,80 @@
+// Where things stand: instance rows and the top levels, made anew whenever something moved. Top levels alternate between two
+// sets of storage, so that the previous frame's stays traceable.
+#include <glm/gtc/matrix_inverse.hpp>
+
+#include "base/error.h"
+#include "scene_gpu/state.h"
+
+namespace parhelion {
+
+namespace {
+
+shared::Affine to_affine(const glm::mat4& m) {
+    return {{m[0][0], m[1][0], m[2][0], m[3][0]}, {m[0][1], m[1][1], m[2][1], m[3][1]}, {m[0][2], m[1][2], m[2][2], m[3][2]}};
+}
+
+gpu::TlasInstance to_tlas(const shared::Instance& row, const MeshOnDevice& mesh, uint32_t index) {
+    gpu::TlasInstance out{};
+    const glm::vec4 rows[3] = {row.world_from_object.row0, row.world_from_object.row1, row.world_from_object.row2};
+    for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 4; ++c) out.world_from_object[4 * r + c] = rows[r][c];
+    out.custom_index_and_mask = index | row.mask << 24;
+    // Vulkan's front side is clockwise unless flipped; glTF's is counter-clockwise. Both judge in object space.
+    const uint32_t flags = gpu::kInstanceFlipFacing | (mesh.cull_by_flag ? 0u : gpu::kInstanceDisableCulling);
+    out.sbt_offset_and_flags = flags << 24;
+    out.blas_address = mesh.blas.address();
+    return out;
+}
+
+}  // namespace
+
+void SceneGpu::State::place_instances(Frame& frame) {
+    instances.clear();
+    instance_handles.clear();
+    geometry_emitter_rows.clear();
+    std::vector<gpu::TlasInstance> driver;
+    std::vector<bvh::TopItem> own;
+    std::vector<gpu::AccelStruct> blases;
+    stats.instanced_triangles = 0;
+    for (const auto& [handle, instance] : scene->instances()) {
+        const glm::mat4& world = instance.place.world_from_object;
+        const Mesh& mesh = scene->get(instance.mesh);
+        const MeshOnDevice& on_device = meshes.at(instance.mesh);
+        if (!drawable(world) || mesh.triangle_count == 0) continue;
+        const uint32_t index = static_cast<uint32_t>(instances.size());
+        const glm::mat4 inverse(glm::inverse(glm::dmat4(world)));
+        instances.push_back({.world_from_object = to_affine(world),
+                             .object_from_world = to_affine(inverse),
+                             .world_from_object_before = to_affine(instance.place.world_from_object_before),
+                             .geometry_base = on_device.geometry_base,
+                             .geometry_count = on_device.geometry_count,
+                             .emitter_base = static_cast<uint32_t>(geometry_emitter_rows.size()),
+                             .flags = mirrors(world) ? shared::kInstanceFlipsFacing : 0u,
+                             .bottom_root = on_device.own_root,
+                             .mask = 0xFFu});
+        geometry_emitter_rows.resize(geometry_emitter_rows.size() + on_device.geometry_count, shared::kNone);
+        instance_handles.push_back(handle);
+        stats.instanced_triangles += mesh.triangle_count;
+        if (uses_hardware()) {
+            driver.push_back(to_tlas(instances.back(), on_device, index));
+            blases.push_back(on_device.blas);
+        }
+        if (options.own_bvh) own.push_back(bvh::make_top_item(bottoms, on_device.own_root, world, index));
+    }
+    stats.instances = static_cast<uint32_t>(instances.size());
+    PARHELION_CHECK(instances.size() <= 0xFFFFFFu, "{} instances are more than the 2^24 that a top level holds", instances.size());
+    instance_table = make_buffer(frame, "instances", instances);
+    if (uses_hardware()) {
+        tlas_instances = make_buffer(frame, "tlas_instances", driver);
+        gpu::AccelStruct& tlas = tlas[parity];
+        tlas = gpu::AccelStruct::top(device, "accel/top", std::max(1u, static_cast<uint32_t>(driver.size())));
+        frame.build_tlas(tlas, tlas_instances, static_cast<uint32_t>(driver.size()), blases);
+    }
+    if (options.own_bvh) {
+        const bvh::Top top = bvh::build_top(own);
+        top_nodes[parity] = make_buffer(frame, "top_nodes", top.nodes);
+        top_items[parity] = make_buffer(frame, "top_items", top.items);
+    }
+}
+
+}  // namespace parhelion
