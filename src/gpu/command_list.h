@@ -71,7 +71,7 @@ public:
     void end_label();
     void barrier(const BarrierScope& scope);
     void full_barrier();                                // everything waits for everything
-    void initialise_layout(const Image& image);         // UNDEFINED -> GENERAL, contents lost; once per own image
+    void initialise_layout(const Image& image);         // UNDEFINED -> GENERAL; nothing happens after the first time
 
     void bind(const Program& program, const SceneSet* scene, std::span<const Binding> bindings, std::span<const std::byte> push);
     void dispatch(uint32_t groups_x, uint32_t groups_y, uint32_t groups_z);  // checked against the device's limits

@@ -56,6 +56,9 @@ struct BorrowedDevice {
 // Names of the device extensions to enable when making a device for us to borrow; the optional ray tracing ones included
 // only if the physical device has them.
 std::vector<std::string> device_extensions(VkInstance instance, VkPhysicalDevice physical_device);
+// The pNext chain of VkDeviceCreateInfo for such a device (it begins with VkPhysicalDeviceFeatures2): what we need, and what
+// we use where the device has it. Valid while the returned object lives.
+std::shared_ptr<const void> device_features(VkInstance instance, VkPhysicalDevice physical_device);
 
 // Every Vulkan device of the machine, best first is choose_best(). Empty if there is no loader or driver.
 std::vector<DeviceCaps> enumerate_devices();
@@ -77,6 +80,7 @@ public:
     const DeviceCaps& caps() const { return caps_; }
     void wait_idle();
     uint64_t validation_message_count() const;  // errors and warnings of the layers since the device was made
+    std::vector<std::string> validation_messages() const;
     std::vector<MemoryUse> memory_use() const;  // bytes now allocated, by group
 
     struct Impl;  // Vulkan objects, defined in gpu/internal.h

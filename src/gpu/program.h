@@ -50,6 +50,7 @@ struct ShaderCode {
     std::vector<PushPointer> push_pointers;
     std::vector<ShaderStruct> structs;
     std::vector<uint32_t> words;
+    uint64_t hash = 0;  // of the words
 };
 
 // The parsed pack. Throws Error for a pack that is not one of ours.

@@ -84,6 +84,7 @@ public:
     const ImageDesc& desc() const;
     Extent extent() const { return desc().extent; }
     const std::string& name() const;
+    bool needs_layout() const;  // no command list has recorded initialise_layout() for it yet
     const void* id() const { return data_.get(); }
 
     struct Data;

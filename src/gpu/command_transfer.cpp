@@ -1,0 +1,179 @@
+// Recording: copies, fills, mip levels, acceleration structure builds, timers and the progress marker.
+#include <algorithm>
+
+#include "gpu/internal.h"
+
+namespace parhelion::gpu {
+
+namespace {
+
+void check_range(const Buffer& buffer, uint64_t offset, uint64_t bytes) {
+    PARHELION_CHECK(offset <= buffer.bytes() && bytes <= buffer.bytes() - offset, "bytes {} to {} of {} ({} bytes)", offset, offset + bytes, buffer.name(), buffer.bytes());
+}
+
+Extent mip_extent(const ImageDesc& desc, uint32_t mip) {
+    return {std::max(desc.extent.width >> mip, 1u), std::max(desc.extent.height >> mip, 1u), 1};
+}
+
+VkImageSubresourceLayers layers(uint32_t mip) { return {VK_IMAGE_ASPECT_COLOR_BIT, mip, 0, 1}; }
+
+uint64_t scratch_address(const AccelStruct& accel, const Buffer& scratch, uint64_t offset, uint32_t alignment) {
+    check_range(scratch, offset, accel.scratch_bytes());
+    return align_up(scratch.address() + offset, alignment);
+}
+
+}  // namespace
+
+void CommandList::copy(const Buffer& from, uint64_t from_offset, const Buffer& to, uint64_t to_offset, uint64_t bytes) {
+    check_range(from, from_offset, bytes);
+    check_range(to, to_offset, bytes);
+    const VkBufferCopy region{from_offset, to_offset, bytes};
+    impl_->vk().vkCmdCopyBuffer(impl_->buffer, from.data()->raw.handle, to.data()->raw.handle, 1, &region);
+}
+
+void CommandList::copy_to_image(const Buffer& from, uint64_t offset, const Image& to, uint32_t mip, uint32_t first_row, uint32_t rows) {
+    const Extent extent = mip_extent(to.desc(), mip);
+    PARHELION_CHECK(mip < to.desc().mip_count && first_row <= extent.height && rows <= extent.height - first_row, "rows {} to {} of mip {} of {} ({} rows)", first_row,
+                    first_row + rows, mip, to.name(), extent.height);
+    check_range(from, offset, uint64_t(extent.width) * rows * format_bytes(to.desc().format));
+    VkBufferImageCopy region{};
+    region.bufferOffset = offset;
+    region.imageSubresource = layers(mip);
+    region.imageOffset = {0, static_cast<int32_t>(first_row), 0};
+    region.imageExtent = {extent.width, rows, 1};
+    impl_->vk().vkCmdCopyBufferToImage(impl_->buffer, from.data()->raw.handle, to.data()->handle, VK_IMAGE_LAYOUT_GENERAL, 1, &region);
+}
+
+void CommandList::copy_from_image(const Image& from, const Buffer& to, uint64_t offset) {
+    const Extent extent = from.extent();
+    check_range(to, offset, uint64_t(extent.width) * extent.height * format_bytes(from.desc().format));
+    VkBufferImageCopy region{};
+    region.bufferOffset = offset;
+    region.imageSubresource = layers(0);
+    region.imageExtent = {extent.width, extent.height, 1};
+    impl_->vk().vkCmdCopyImageToBuffer(impl_->buffer, from.data()->handle, VK_IMAGE_LAYOUT_GENERAL, to.data()->raw.handle, 1, &region);
+}
+
+void CommandList::fill(const Buffer& buffer, uint64_t offset, uint64_t bytes, uint32_t value) {
+    check_range(buffer, offset, bytes);
+    PARHELION_CHECK(offset % 4 == 0 && bytes % 4 == 0, "a fill of {} writes whole words, not {} bytes at {}", buffer.name(), bytes, offset);
+    if (bytes != 0) impl_->vk().vkCmdFillBuffer(impl_->buffer, buffer.data()->raw.handle, offset, bytes, value);
+}
+
+void CommandList::blit_mip(const Image& image, uint32_t from_mip) {
+    PARHELION_CHECK(from_mip + 1 < image.desc().mip_count, "image {} has no mip {}", image.name(), from_mip + 1);
+    if (!impl_->device->impl().physical.queue_has_graphics)
+        throw Error(ErrorCode::MissingFeature, "its queue cannot filter images into mip levels", impl_->device->caps().name);
+    const Extent from = mip_extent(image.desc(), from_mip), to = mip_extent(image.desc(), from_mip + 1);
+    VkImageBlit region{};
+    region.srcSubresource = layers(from_mip);
+    region.srcOffsets[1] = {static_cast<int32_t>(from.width), static_cast<int32_t>(from.height), 1};
+    region.dstSubresource = layers(from_mip + 1);
+    region.dstOffsets[1] = {static_cast<int32_t>(to.width), static_cast<int32_t>(to.height), 1};
+    const VkImage handle = image.data()->handle;
+    impl_->vk().vkCmdBlitImage(impl_->buffer, handle, VK_IMAGE_LAYOUT_GENERAL, handle, VK_IMAGE_LAYOUT_GENERAL, 1, &region, VK_FILTER_LINEAR);
+}
+
+void CommandList::build_blas(const AccelStruct& blas, std::span<const BlasGeometry> geometries, const Buffer& scratch, uint64_t scratch_offset) {
+    const AccelStruct::Data& data = *blas.data();
+    PARHELION_CHECK(geometries.size() == data.sizes.size(), "{} is built from {} geometries and was made for {}", data.name, geometries.size(), data.sizes.size());
+    std::vector<VkAccelerationStructureGeometryKHR> triangles;
+    std::vector<VkAccelerationStructureBuildRangeInfoKHR> ranges;
+    for (size_t i = 0; i < geometries.size(); ++i) {
+        const BlasGeometry& geometry = geometries[i];
+        PARHELION_CHECK(geometry.vertex_count <= data.sizes[i].first && geometry.triangle_count <= data.sizes[i].second,
+                        "geometry {} of {} has {} vertices and {} triangles; room is for {} and {}", i, data.name, geometry.vertex_count, geometry.triangle_count,
+                        data.sizes[i].first, data.sizes[i].second);
+        triangles.push_back(triangle_geometry(geometry));
+        ranges.push_back({geometry.triangle_count, 0, 0, 0});
+    }
+    VkAccelerationStructureBuildGeometryInfoKHR info{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_GEOMETRY_INFO_KHR};
+    info.type = VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR;
+    info.flags = kBuildFlags;
+    info.mode = VK_BUILD_ACCELERATION_STRUCTURE_MODE_BUILD_KHR;
+    info.dstAccelerationStructure = data.handle;
+    info.geometryCount = static_cast<uint32_t>(triangles.size());
+    info.pGeometries = triangles.data();
+    info.scratchData.deviceAddress = scratch_address(blas, scratch, scratch_offset, impl_->device->caps().scratch_alignment);
+    const VkAccelerationStructureBuildRangeInfoKHR* first = ranges.data();
+    impl_->vk().vkCmdBuildAccelerationStructuresKHR(impl_->buffer, 1, &info, &first);
+}
+
+void CommandList::build_tlas(const AccelStruct& tlas, const Buffer& instances, uint64_t offset, uint32_t count, const Buffer& scratch, uint64_t scratch_offset) {
+    const AccelStruct::Data& data = *tlas.data();
+    PARHELION_CHECK(data.sizes.empty() && count <= data.max_instances, "{} instances in {}, which has room for {}", count, data.name, data.max_instances);
+    PARHELION_CHECK(offset % 16 == 0, "instances at {} of {} are not aligned to 16 bytes", offset, instances.name());
+    check_range(instances, offset, uint64_t(count) * sizeof(TlasInstance));
+    const VkAccelerationStructureGeometryKHR geometry = instance_geometry(instances.address() + offset);
+    VkAccelerationStructureBuildGeometryInfoKHR info{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_GEOMETRY_INFO_KHR};
+    info.type = VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR;
+    info.flags = kBuildFlags;
+    info.mode = VK_BUILD_ACCELERATION_STRUCTURE_MODE_BUILD_KHR;
+    info.dstAccelerationStructure = data.handle;
+    info.geometryCount = 1;
+    info.pGeometries = &geometry;
+    info.scratchData.deviceAddress = scratch_address(tlas, scratch, scratch_offset, impl_->device->caps().scratch_alignment);
+    const VkAccelerationStructureBuildRangeInfoKHR range{count, 0, 0, 0};
+    const VkAccelerationStructureBuildRangeInfoKHR* first = &range;
+    impl_->vk().vkCmdBuildAccelerationStructuresKHR(impl_->buffer, 1, &info, &first);
+}
+
+TimerPool::TimerPool(const DevicePtr& device, uint32_t count) {
+    Device::Impl& impl = device->impl();
+    PARHELION_CHECK(count > 0 && device->caps().timestamp_period_ns > 0, "{} timestamps on {}", count, device->caps().name);
+    auto data = std::make_shared<Data>();
+    data->device = device;
+    data->count = count;
+    VkQueryPoolCreateInfo info{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+    info.queryType = VK_QUERY_TYPE_TIMESTAMP;
+    info.queryCount = count;
+    PARHELION_VK(impl.name(), impl.vk.vkCreateQueryPool(impl.device, &info, nullptr, &data->pool));
+    data_ = std::move(data);
+}
+
+TimerPool::Data::~Data() {
+    Device::Impl& impl = device->impl();
+    if (pool) impl.vk.vkDestroyQueryPool(impl.device, pool, nullptr);
+}
+
+uint32_t TimerPool::count() const { return data_->count; }
+
+std::vector<double> TimerPool::read_ms(uint32_t count) const {
+    PARHELION_CHECK(count <= data_->count, "{} of {} timers", count, data_->count);
+    Device::Impl& impl = data_->device->impl();
+    std::vector<uint64_t> ticks(count);
+    if (count == 0) return {};
+    PARHELION_VK(impl.name(), impl.vk.vkGetQueryPoolResults(impl.device, data_->pool, 0, count, count * sizeof(uint64_t), ticks.data(), sizeof(uint64_t), VK_QUERY_RESULT_64_BIT));
+    // Counters have as many bits as the queue says and may wrap around.
+    const uint64_t mask = impl.physical.timestamp_bits >= 64 ? ~0ull : (1ull << impl.physical.timestamp_bits) - 1;
+    std::vector<double> out;
+    for (const uint64_t tick : ticks) out.push_back(static_cast<double>((tick - ticks[0]) & mask) * impl.physical.caps.timestamp_period_ns * 1e-6);
+    return out;
+}
+
+void CommandList::reset_timers(const TimerPool& pool) { impl_->vk().vkCmdResetQueryPool(impl_->buffer, pool.data()->pool, 0, pool.count()); }
+
+// Both ends of a pass are taken when all earlier commands are done, so that times of consecutive passes do not overlap.
+void CommandList::write_timer(const TimerPool& pool, uint32_t index) {
+    PARHELION_CHECK(index < pool.count(), "timer {} of {}", index, pool.count());
+    impl_->vk().vkCmdWriteTimestamp2(impl_->buffer, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool.data()->pool, index);
+}
+
+// The barrier orders memory of the marker alone: other hazards stay visible to validation.
+void CommandList::write_marker(const Buffer& readback, uint32_t value) {
+    VkBufferMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER_2};
+    barrier.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    barrier.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
+    barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
+    barrier.dstAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
+    barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+    barrier.buffer = readback.data()->raw.handle;
+    barrier.size = VK_WHOLE_SIZE;
+    VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    info.bufferMemoryBarrierCount = 1;
+    info.pBufferMemoryBarriers = &barrier;
+    impl_->vk().vkCmdPipelineBarrier2(impl_->buffer, &info);
+    impl_->vk().vkCmdFillBuffer(impl_->buffer, readback.data()->raw.handle, 0, sizeof(uint32_t), value);
+}
+
+}  // namespace parhelion::gpu
