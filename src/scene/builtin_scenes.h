@@ -1,0 +1,19 @@
+#pragma once
+// Internal to the scene layer: the makers of built-in scenes and what they share.
+#include "scene/builtin.h"
+
+namespace parhelion::builtin {
+
+// Pure Lambert (specular 0, metallic 0).
+Material lambert(std::string name, glm::vec3 albedo, glm::vec3 emission = glm::vec3(0.0f));
+Handle<Camera> add_camera(SceneEdit& edit, std::string name, glm::vec3 from, glm::vec3 at, float yfov);
+// A mesh of one primitive, on a node of its own.
+Handle<Instance> add_object(SceneEdit& edit, std::string name, Primitive primitive, Handle<Material> material, const Transform& local = {});
+
+LoadedScene make_cornell(const BuiltinOptions& options);
+LoadedScene make_furnace(const BuiltinOptions& options);
+LoadedScene make_diffuse_box(const BuiltinOptions& options);
+LoadedScene make_spheres(const BuiltinOptions& options);
+LoadedScene make_textured(const BuiltinOptions& options);
+
+}  // namespace parhelion::builtin
