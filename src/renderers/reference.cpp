@@ -15,4 +15,6 @@ void record_reference(Frame& frame, SceneGpu& scene, gpu::TraceWay way, View& vi
     if (ends_range || end % shared::kSamplesPerBlock == 0) passes::add_block(frame, view.film(), slice);
 }
 
+void end_block(Frame& frame, View& view) { passes::add_block(frame, view.film(), {.first_row = 0, .row_count = view.film().height}); }
+
 }  // namespace parhelion

@@ -9,4 +9,8 @@ namespace parhelion {
 // wait. Pictures do not depend on how a job is cut into slices.
 void record_reference(Frame& frame, SceneGpu& scene, gpu::TraceWay way, View& view, const shared::Slice& slice, bool ends_range);
 
+// Ends the running block of every row, whatever its number of samples: for a job that stops inside a block. Sums that it was
+// called on are those of a picture; more samples of the same block cannot follow.
+void end_block(Frame& frame, View& view);
+
 }  // namespace parhelion
