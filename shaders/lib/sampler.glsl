@@ -9,10 +9,9 @@
 #define PARHELION_LIB_SAMPLER_GLSL
 #include "lib/hash.glsl"
 #include "lib/sobol.glsl"
-#ifndef __cplusplus
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer BlueNoiseTile { uint v[]; };
-#endif
 SHARED_BEGIN
+
+SHARED_ARRAY(BlueNoiseTile, uint)
 
 struct PathSampler {
     uint64_t sobol;       // address of the Sobol table, read by kSamplerCranley only

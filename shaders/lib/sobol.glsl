@@ -4,10 +4,9 @@
 #define PARHELION_LIB_SOBOL_GLSL
 #include "shared/functions.h"
 #include "shared/sampler.h"
-#ifndef __cplusplus
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer SobolTable { uint v[]; };
-#endif
 SHARED_BEGIN
+
+SHARED_ARRAY(SobolTable, uint)
 
 // A permutation of 32-bit words in which every output bit depends on its own and lower input bits only: Owen's scrambling of a
 // bit-reversed fraction. After Laine and Karras 2011, with Vegdahl's constants (2021, "Building a Better LK Hash"), whose

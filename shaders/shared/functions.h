@@ -1,6 +1,7 @@
 // Lets a pure function be written once and compiled as GLSL and as C++20, so that the host computes the very same bits.
 // Such a file keeps to what both languages know: SHARED_FN before each function, SHARED_INOUT(T) for an `inout T` parameter,
-// functional casts, float literals with f, members instead of swizzles. Only operations that are exact (integers, conversions
+// functional casts, float literals with f, members instead of swizzles, SHARED_ARRAY(Name, T) to read T[] at an address as
+// Name(address).v[i] (in C++ an address of host memory). Only operations that are exact (integers, conversions
 // of at most 24 bits, products with powers of two) are promised to agree between devices.
 #ifndef PARHELION_SHARED_FUNCTIONS_H
 #define PARHELION_SHARED_FUNCTIONS_H
@@ -10,7 +11,14 @@
 
 #define SHARED_FN inline
 #define SHARED_INOUT(T) T&
+#define SHARED_ARRAY(Name, T) using Name = HostArray<T>;
 namespace parhelion::shared {
+
+template <class T>
+struct HostArray {
+    explicit HostArray(uint64_t address) : v(reinterpret_cast<const T*>(address)) {}
+    const T* v;
+};
 
 // GLSL's built-in functions that such files use.
 constexpr int findLSB(uint v) { return v == 0u ? -1 : std::countr_zero(v); }
@@ -26,5 +34,6 @@ constexpr uint bitfieldReverse(uint v) {
 #else
 #define SHARED_FN
 #define SHARED_INOUT(T) inout T
+#define SHARED_ARRAY(Name, T) layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Name { T v[]; };
 #endif
 #endif

@@ -17,7 +17,7 @@ const fs::path kRoot = PARHELION_SOURCE_DIR;
 const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"base", {}},
     {"image", {"base"}},
-    {"sampling", {"base"}},
+    {"sampling", {"base", "lib"}},  // the sampler of shaders/lib, compiled as C++
     {"bvh", {"base"}},
     {"scene", {"base", "image", "sampling"}},
     {"gpu", {"base"}},
