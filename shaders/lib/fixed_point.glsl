@@ -40,4 +40,11 @@ uvec3 fixed_add(uvec3 a, uvec3 b) {
     sum.z = a.z + b.z + carry_mid + carry_extra;
     return sum;
 }
+// Nearest float, for display: the three limbs are rounded one by one.
+float float_from_fixed(uvec3 limbs) {
+    const bool negative = (limbs.z & 0x80000000u) != 0u;
+    if (negative) limbs = fixed_add(~limbs, uvec3(1u, 0u, 0u));
+    const float value = float(limbs.z) * 16777216.0 + float(limbs.y) * 0.00390625 + float(limbs.x) * 9.094947e-13;
+    return negative ? -value : value;
+}
 #endif

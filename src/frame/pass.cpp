@@ -46,10 +46,12 @@ Pass& Pass::scene(const SceneBinding& scene) {
 }
 
 Pass& Pass::push_bytes(const void* data, size_t bytes) {
-    PARHELION_CHECK(bytes == program_.code().push_bytes, "pass {} {}: the push constants are {} bytes, the shader declares {}", program_.code().name,
-                    program_.code().variant, bytes, program_.code().push_bytes);
-    push_.resize(bytes);
-    std::memcpy(push_.data(), data, bytes);
+    // C++ pads a struct with addresses to a multiple of 8 bytes at its end; scalar layout does not.
+    const uint32_t declared = program_.code().push_bytes;
+    PARHELION_CHECK(bytes == declared || bytes == (declared + 7u) / 8u * 8u, "pass {} {}: the push constants are {} bytes, the shader declares {}",
+                    program_.code().name, program_.code().variant, bytes, declared);
+    push_.resize(declared);
+    std::memcpy(push_.data(), data, declared);
     return *this;
 }
 

@@ -50,7 +50,6 @@ void SceneGpu::State::place_instances(Frame& frame) {
                              .geometry_count = on_device.geometry_count,
                              .emitter_base = static_cast<uint32_t>(geometry_emitter_rows.size()),
                              .flags = mirrors(world) ? shared::kInstanceFlipsFacing : 0u,
-                             .bottom_root = on_device.own_root,
                              .mask = 0xFFu});
         geometry_emitter_rows.resize(geometry_emitter_rows.size() + on_device.geometry_count, shared::kNone);
         instance_handles.push_back(handle);

@@ -66,6 +66,8 @@ void SceneGpu::State::write_header(Frame& frame) {
     header.bottom_triangles = address(bottom_triangles);
     header.top_nodes = address(top_nodes[parity]);
     header.top_items = address(top_items[parity]);
+    header.top_nodes_before = address(top_nodes[1 - parity] ? top_nodes[1 - parity] : top_nodes[parity]);
+    header.top_items_before = address(top_items[1 - parity] ? top_items[1 - parity] : top_items[parity]);
     header.sobol = address(sampler_tables);
     header.blue_noise = address(sampler_tables) + sampling::sobol_table().size() * sizeof(uint32_t);
     header.emitter_count = static_cast<uint32_t>(emitters.size());
@@ -88,7 +90,8 @@ void SceneGpu::State::write_header(Frame& frame) {
                .buffers = {block, positions, indices, attributes, geometry_table, material_table, instance_table, emitter_table, emitter_alias, triangle_alias,
                            geometry_emitters, environment_alias, sampler_tables},
                .textures = images};
-    if (options.own_bvh) binding.buffers.insert(binding.buffers.end(), {bottom_nodes, bottom_triangles, top_nodes[parity], top_items[parity]});
+    for (const gpu::Buffer& buffer : {bottom_nodes, bottom_triangles, top_nodes[0], top_items[0], top_nodes[1], top_items[1]})
+        if (buffer) binding.buffers.push_back(buffer);
     if (uses_hardware()) {
         binding.accels = {tlas[parity], before};
         for (const auto& [handle, mesh] : meshes) binding.accels.push_back(mesh.blas);

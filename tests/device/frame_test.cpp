@@ -15,8 +15,6 @@ struct ImagePush {
     uint32_t width = 16, height = 16;
     float gain = 0.5f;
 };
-// Scalar layout aligns addresses to 8 bytes and adds no padding at the end.
-#pragma pack(push, 4)
 struct AddPush {
     uint64_t a = 0, c = 0;
     uint32_t count = kCount;
@@ -29,7 +27,6 @@ struct ArgsPush {
     uint64_t args = 0;
     uint32_t groups = 0;
 };
-#pragma pack(pop)
 
 class FrameTest : public GpuTest {
 protected:
