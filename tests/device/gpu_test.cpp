@@ -1,10 +1,8 @@
 // The GPU layer on a real device: resources, programs, both hardware ways to trace, timers, errors.
 #include <cstring>
-#include <numeric>
 
-#include "base/error.h"
 #include "gpu/internal.h"
-#include "support/gpu_fixture.h"
+#include "support/gpu_helpers.h"
 #include "support/pack_writer.h"
 
 namespace parhelion::testing {
@@ -12,54 +10,7 @@ namespace {
 
 using namespace gpu;
 
-struct AddPush {
-    uint64_t values = 0;
-    uint32_t count = 0, add = 0;
-};
-
-template <class T>
-std::span<const std::byte> bytes_of(const T& value) {
-    return std::as_bytes(std::span(&value, 1));
-}
-
 void run(const DevicePtr& device, CommandList&& commands) { ASSERT_TRUE(wait(device, submit(device, std::move(commands)))); }
-
-template <class T>
-Buffer mapped_buffer(const DevicePtr& device, const std::vector<T>& values) {
-    const Buffer buffer(device, "test/upload", values.size() * sizeof(T), MemoryKind::Upload);
-    std::memcpy(buffer.mapped(), values.data(), values.size() * sizeof(T));
-    return buffer;
-}
-
-std::vector<uint32_t> numbers(size_t count, uint32_t first = 0) {
-    std::vector<uint32_t> out(count);
-    std::iota(out.begin(), out.end(), first);
-    return out;
-}
-
-// Adds 1000 to `count` numbers on the device, by address, binding and push constants; returns the sums.
-std::vector<uint32_t> add_on(const DevicePtr& device, uint32_t count) {
-    const Buffer values = mapped_buffer(device, numbers(count)), sums(device, "test/sums", count * 4, MemoryKind::Readback);
-    const Image picture(device, "test/picture", {.extent = {16, (count + 15) / 16}});
-    CommandList commands(device);
-    commands.initialise_layout(picture);
-    const Binding bindings[] = {{0, BindingKind::StorageBuffer, sums, {}}, {1, BindingKind::StorageImage, picture, {}}};
-    commands.bind(Program::get(device, test_shader_pack(), "device/gpu_add", "", false), nullptr, bindings, bytes_of(AddPush{values.address(), count, 1000}));
-    commands.dispatch((count + 63) / 64, 1, 1);
-    EXPECT_TRUE(wait(device, submit(device, std::move(commands))));
-    const auto out = sums.mapped_as<uint32_t>();
-    return {out.begin(), out.end()};
-}
-
-template <class Function>
-std::string error_line(Function function) {
-    try {
-        function();
-    } catch (const Error& error) {
-        return error.line;
-    }
-    return "nothing was thrown";
-}
 
 class GpuLayer : public GpuTest {};
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "gpu/internal.h"
+#include "support/gpu_helpers.h"
 
 namespace parhelion::testing {
 namespace {
@@ -25,16 +26,6 @@ std::vector<DeviceCaps> devices() {
     };
     return {make(0, "llvmpipe (LLVM 15)", DeviceType::Cpu, 64, true, true), make(1, "Radeon iGPU", DeviceType::Integrated, 16, false, true),
             make(2, "GeForce A", DeviceType::Discrete, 24, false, false), make(3, "GeForce B", DeviceType::Discrete, 8, true, true)};
-}
-
-template <class Function>
-Error error_of(Function function) {
-    try {
-        function();
-    } catch (const Error& error) {
-        return error;
-    }
-    return {ErrorCode::Failed, "nothing was thrown"};
 }
 
 TEST(DeviceChoice, discrete_devices_with_more_ways_to_trace_win) {
