@@ -77,6 +77,8 @@ void check_outputs(const OptionValues& values, const RenderOptions& options) {
 
 }  // namespace
 
+bool is_png(const std::filesystem::path& file) { return has_extension(file, ".png"); }
+
 OutputOptions read_output_options(const OptionValues& values) {
     OutputOptions output;
     for (const std::string& text : values.texts("--out")) {
@@ -88,7 +90,8 @@ OutputOptions read_output_options(const OptionValues& values) {
         output.files.push_back(file);
     }
     output.exr_float = values.text("--exr-type") == "float";
-    output.tonemap = read_choice<TonemapChoice>(values, "--tonemap");
+    const std::string tonemap = values.text("--tonemap");
+    output.tonemap = tonemap == "linear" ? image::ToneCurve::Linear : tonemap == "aces" ? image::ToneCurve::Aces : image::ToneCurve::Agx;
     return output;
 }
 

@@ -8,19 +8,19 @@
 #include <vector>
 
 #include "base/parse.h"
+#include "image/tonemap.h"
 #include "session/options.h"
 
 namespace parhelion {
 
 enum class RendererKind { Reference, Wavefront, Realtime };
 enum class TraceChoice { Auto, Pipeline, Query, Compute };
-enum class TonemapChoice { Agx, Aces, Linear };
 
 // Where a picture goes, and in which form.
 struct OutputOptions {
     std::vector<std::filesystem::path> files;  // .exr and .png, all different
     bool exr_float = false;                    // else half
-    TonemapChoice tonemap = TonemapChoice::Agx;
+    image::ToneCurve tonemap = image::ToneCurve::Agx;
 };
 
 struct RenderOptions {
@@ -61,5 +61,6 @@ struct RenderOptions {
 // Values that passed check_options. Throws a usage Error where they do not fit each other.
 RenderOptions read_render_options(const OptionValues& values);
 OutputOptions read_output_options(const OptionValues& values);
+bool is_png(const std::filesystem::path& file);  // by its extension; the other format is EXR
 
 }  // namespace parhelion

@@ -13,6 +13,7 @@ struct RenderSettings {
     uint32_t roulette_start = 2;
     LightSampling light_sampling = LightSampling::Mis;
     Culling culling = Culling::Gltf;
+    float infinite_share = 0.5f;
 };
 
 template <class V>
@@ -23,6 +24,8 @@ void visit(V&& v, RenderSettings& s) {
     v.field("reference.light_sampling", s.light_sampling, choices({"mis", "light", "bsdf"}),
             "direct light by both samplings weighted, by light sampling alone, or by the BSDF's alone");
     v.field("scene.culling", s.culling, choices({"none", "gltf"}), "gltf: single-sided surfaces are invisible from behind");
+    v.field("light.infinite_share", s.infinite_share, range(0, 1),
+            "share of light samples for sky and directional lights where other lights exist too");
 }
 
 }  // namespace parhelion

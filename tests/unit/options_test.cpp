@@ -58,7 +58,7 @@ TEST(Options, the_defaults_are_those_of_the_design) {
     EXPECT_EQ(options.max_bounces, 16u);
     EXPECT_FALSE(options.point_filter);
     EXPECT_FALSE(options.exposure_ev);
-    EXPECT_EQ(options.output.tonemap, TonemapChoice::Agx);
+    EXPECT_EQ(options.output.tonemap, image::ToneCurve::Agx);
     EXPECT_FALSE(options.output.exr_float);
     EXPECT_EQ(options.trace, TraceChoice::Auto);
 }

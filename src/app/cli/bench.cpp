@@ -1,0 +1,36 @@
+// parhelion bench: measures, prints a table.
+#include <cstdlib>
+
+#include <nlohmann/json.hpp>
+
+#include "app/cli/commands.h"
+#include "base/log.h"
+#include "session/bench.h"
+#include "session/results.h"
+
+namespace parhelion::cli {
+
+int run_bench(const OptionValues& values) {
+    const std::string json = values.given("--json") ? values.text("--json") : "";
+    check_json_target(json);
+    const gpu::DevicePtr device = gpu::Device::open({.selector = values.given("--device") ? values.text("--device") : ""});
+    const std::vector<BenchCase> cases = bench_cases(values, device->caps());
+    log(LogLevel::Info, "{} runs on {}", cases.size(), escape_name(device->caps().name));
+    const LogLevel level = log_level();
+    if (level == LogLevel::Info) set_log_level(LogLevel::Warn);  // the jobs' own lines
+    std::vector<BenchRow> rows = run_bench_cases(cases, values.texts("--set"), device, [&](const BenchRow& row) {
+        if (level <= LogLevel::Info) log_line(LogLevel::Info, fmt::format("{}: {:.1f} ms", case_key(row.what), row.seconds() * 1e3));
+    });
+    set_log_level(level);
+    if (values.given("--baseline")) add_baseline(rows, values.text("--baseline"));
+    if (json != "-") print_result(bench_table(rows));
+    write_json(json, bench_json(rows, device->caps()));
+    switch (platform::interrupt_requested()) {
+        case platform::Interrupt::None: break;
+        case platform::Interrupt::Interrupted: return static_cast<int>(ErrorCode::Interrupted);
+        case platform::Interrupt::Terminated: return static_cast<int>(ErrorCode::Terminated);
+    }
+    return EXIT_SUCCESS;
+}
+
+}  // namespace parhelion::cli

@@ -1,0 +1,133 @@
+#include "session/bench.h"
+
+#include <map>
+
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "session/scene_setup.h"
+
+namespace parhelion {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+struct Suite {
+    std::string_view name;
+    std::vector<std::string> scenes;
+    Size2 size;
+    uint64_t spp;
+};
+
+const std::vector<Suite>& suites() {
+    static const std::vector<Suite> all = {
+        {"quick", {"builtin:cornell", "builtin:furnace"}, {320, 180}, 16},
+        {"full", {"builtin:cornell", "builtin:furnace", "builtin:diffuse-box"}, {1280, 720}, 64},
+    };
+    return all;
+}
+
+const Suite& find_suite(const OptionValues& values) {
+    const std::string name = values.positionals.empty() ? "quick" : values.positionals.front();
+    std::string names;
+    for (const Suite& suite : suites()) {
+        if (suite.name == name) return suite;
+        names += (names.empty() ? "" : " or ") + std::string(suite.name);
+    }
+    throw Error(ErrorCode::Usage, fmt::format("there is no suite '{}'", escape_name(name)), "bench", "use " + names);
+}
+
+std::vector<gpu::TraceWay> chosen_ways(const OptionValues& values, const gpu::DeviceCaps& caps) {
+    std::vector<gpu::TraceWay> ways;
+    for (const std::string& name : values.texts("--trace"))
+        ways.push_back(choose_trace_way(caps, name == "pipeline" ? TraceChoice::Pipeline : name == "query" ? TraceChoice::Query : TraceChoice::Compute));
+    if (!ways.empty()) return ways;
+    for (const gpu::TraceWay way : {gpu::TraceWay::Pipeline, gpu::TraceWay::Query, gpu::TraceWay::Compute})
+        if (caps.supports(way)) ways.push_back(way);
+    return ways;
+}
+
+RenderOptions job_options(const BenchCase& what, const std::vector<std::string>& assignments) {
+    RenderOptions options;
+    options.scene = what.scene;
+    options.size = what.size;
+    options.samples = {0, what.spp};
+    options.exposure_ev = 0;
+    options.trace = what.way == gpu::TraceWay::Pipeline ? TraceChoice::Pipeline : what.way == gpu::TraceWay::Query ? TraceChoice::Query : TraceChoice::Compute;
+    options.assignments = assignments;
+    return options;
+}
+
+}  // namespace
+
+double BenchRow::trace_share() const { return seconds() > 0 ? report.trace_seconds() / seconds() : 0; }
+
+std::vector<BenchCase> bench_cases(const OptionValues& values, const gpu::DeviceCaps& caps) {
+    const Suite& suite = find_suite(values);
+    const std::vector<std::string> scenes = values.given("--scene") ? values.texts("--scene") : suite.scenes;
+    const Size2 size = values.given("--size") ? parse_size(values.text("--size"), "--size") : suite.size;
+    const uint64_t spp = values.given("--spp") ? static_cast<uint64_t>(parse_int(values.text("--spp"), "--spp")) : suite.spp;
+    std::vector<BenchCase> cases;
+    for (const std::string& scene : scenes)
+        for (const gpu::TraceWay way : chosen_ways(values, caps)) cases.push_back({scene, way, size, spp});
+    return cases;
+}
+
+std::vector<BenchRow> run_bench_cases(const std::vector<BenchCase>& cases, const std::vector<std::string>& assignments, const gpu::DevicePtr& device,
+                                      const std::function<void(const BenchRow&)>& done) {
+    std::vector<BenchRow> rows;
+    for (const BenchCase& what : cases) {
+        RenderOptions options = job_options(what, assignments);
+        options.samples.end = 1;
+        run_render_job(options, device);
+        options.samples.end = what.spp;
+        BenchRow row{what, run_render_job(options, device), std::nullopt};
+        if (row.report.interrupt != platform::Interrupt::None) break;
+        done(row);
+        rows.push_back(std::move(row));
+    }
+    return rows;
+}
+
+std::string case_key(const BenchCase& what) {
+    return fmt::format("{} reference {} {}x{} {}", what.scene, trace_way_name(what.way), what.size.width, what.size.height, what.spp);
+}
+
+Json bench_json(const std::vector<BenchRow>& rows, const gpu::DeviceCaps& caps) {
+    Json list = Json::array();
+    for (const BenchRow& row : rows) {
+        Json entry = report_json(row.report);
+        entry["case"] = case_key(row.what);
+        if (row.baseline_seconds) entry["baseline_seconds"] = *row.baseline_seconds;
+        list.push_back(std::move(entry));
+    }
+    return {{"device", caps.name}, {"driver", caps.driver}, {"runs", list}};
+}
+
+std::string bench_table(const std::vector<BenchRow>& rows) {
+    std::string out = fmt::format("{:<28} {:<9} {:>11} {:>6} {:>10} {:>12} {:>10}  {}\n", "scene", "trace", "size", "spp", "ms", "Msamples/s", "tracing", "to baseline");
+    for (const BenchRow& row : rows) {
+        const std::string size = fmt::format("{}x{}", row.what.size.width, row.what.size.height);
+        const std::string ratio = row.baseline_seconds ? fmt::format("x{:.3f}", row.seconds() / *row.baseline_seconds) : "-";
+        out += fmt::format("{:<28} {:<9} {:>11} {:>6} {:>10.1f} {:>12.3f} {:>8.1f} %  {}\n", escape_name(row.what.scene), trace_way_name(row.what.way), size, row.what.spp,
+                           row.seconds() * 1e3, row.report.mega_samples_per_second(), row.trace_share() * 100, ratio);
+    }
+    return out;
+}
+
+void add_baseline(std::vector<BenchRow>& rows, const std::filesystem::path& file) {
+    constexpr uint64_t kMaxBytes = 64 << 20;
+    const Json root = Json::parse(read_text_file(file, kMaxBytes), nullptr, false);
+    std::map<std::string, double> seconds;
+    try {
+        for (const Json& run : root.at("runs")) seconds[run.at("case").get<std::string>()] = run.at("seconds").get<double>();
+    } catch (const nlohmann::json::exception&) {
+        throw Error(ErrorCode::Failed, "is not the JSON of parhelion bench", escape_name(file.string()), "write one with parhelion bench --json F");
+    }
+    for (BenchRow& row : rows)
+        if (const auto found = seconds.find(case_key(row.what)); found != seconds.end()) row.baseline_seconds = found->second;
+}
+
+}  // namespace parhelion

@@ -1,0 +1,45 @@
+#pragma once
+// `parhelion bench`: scenes x renderers x ways to trace on one device, as a table and as JSON.
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "session/job.h"
+#include "session/options.h"
+
+namespace parhelion {
+
+struct BenchCase {
+    std::string scene;
+    gpu::TraceWay way;
+    Size2 size;
+    uint64_t spp;
+};
+
+struct BenchRow {
+    BenchCase what;
+    RenderReport report;
+    std::optional<double> baseline_seconds;  // of the same case in the baseline
+    double seconds() const { return report.render_seconds; }
+    double trace_share() const;  // GPU time of the tracing passes over the render time
+};
+
+// The cases of a suite on a device, or of the options' scenes, ways, size and spp. Throws a usage Error for an unknown suite, and
+// MissingFeature for a way that the device lacks.
+std::vector<BenchCase> bench_cases(const OptionValues& values, const gpu::DeviceCaps& caps);
+
+// Each case runs once to warm up (shaders, caches) and once to be measured. `done` is called after each.
+std::vector<BenchRow> run_bench_cases(const std::vector<BenchCase>& cases, const std::vector<std::string>& assignments, const gpu::DevicePtr& device,
+                                      const std::function<void(const BenchRow&)>& done);
+
+nlohmann::ordered_json bench_json(const std::vector<BenchRow>& rows, const gpu::DeviceCaps& caps);
+std::string bench_table(const std::vector<BenchRow>& rows);
+
+// Seconds by case_key from the JSON of an earlier run. Throws Error naming the file if it is no such thing.
+std::string case_key(const BenchCase& what);
+void add_baseline(std::vector<BenchRow>& rows, const std::filesystem::path& file);
+
+}  // namespace parhelion

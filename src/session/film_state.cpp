@@ -1,0 +1,47 @@
+#include "session/film_state.h"
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "session/scene_setup.h"
+
+namespace parhelion {
+
+uint64_t hash_render(const Scene& scene, const ViewDesc& view, const RenderSettings& settings) {
+    Hasher hasher;
+    hasher.add(hash_scene(scene)).add(hash_settings(settings)).add(view.width).add(view.height).add(view.seed).add(view.max_bounces).add(view.filter);
+    for (const glm::vec3& v : {view.camera.position_ws, view.camera.right_ws, view.camera.up_ws, view.camera.forward_ws}) hasher.add(v.x).add(v.y).add(v.z);
+    hasher.add(view.camera.orthographic);
+    return hasher.value();
+}
+
+image::Attributes film_attributes(uint64_t settings_hash, double exposure_ev) {
+    return {{kSettingsAttribute, fmt::format("{:016x}", settings_hash)}, {kExposureAttribute, fmt::format("{}", exposure_ev)}};
+}
+
+std::optional<double> recorded_exposure(const image::Attributes& attributes) {
+    const auto found = attributes.find(kExposureAttribute);
+    if (found == attributes.end()) return std::nullopt;
+    return parse_float(found->second, kExposureAttribute, -100, 100);
+}
+
+image::FilmSums make_film_sums(FilmReadback film, Size2 size, IndexRange samples, image::Attributes attributes) {
+    return {.width = size.width,
+            .height = size.height,
+            .channels = std::move(film.channels),
+            .sample_begin = samples.begin,
+            .sample_end = samples.end,
+            .limbs = std::move(film.limbs),
+            .attributes = std::move(attributes)};
+}
+
+image::FilmSums read_checkpoint(const std::filesystem::path& file, const image::FilmSums& expected, IndexRange wanted) {
+    const auto refuse = [&](std::string what, std::string hint) { throw Error(ErrorCode::Failed, std::move(what), escape_name(file.string()), std::move(hint)); };
+    image::FilmSums film = image::read_film_exr(file);
+    const bool same = film.width == expected.width && film.height == expected.height && film.channels == expected.channels &&
+                      film.attributes == expected.attributes && film.sample_begin == wanted.begin;
+    if (!same) refuse("it is the checkpoint of another render", "repeat the command that wrote it, or choose another file");
+    if (film.sample_end > wanted.end) refuse(fmt::format("it already holds {} samples", film.sample_end - film.sample_begin), "ask for at least as many");
+    return film;
+}
+
+}  // namespace parhelion

@@ -1,0 +1,287 @@
+#include "session/job.h"
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/log.h"
+#include "renderers/reference.h"
+#include "session/film_state.h"
+#include "session/metering.h"
+#include "session/pictures.h"
+#include "session/progress.h"
+#include "session/render_settings.h"
+#include "session/scene_setup.h"
+#include "session/slicer.h"
+
+namespace parhelion {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+RenderSettings read_settings(const RenderOptions& options) {
+    RenderSettings settings;
+    for (const std::string& assignment : options.assignments) apply_assignment(settings, assignment);
+    return settings;
+}
+
+void check_targets(const RenderOptions& options) {
+    for (const std::filesystem::path& file : options.output.files) check_writable(file);
+    if (!options.checkpoint.empty()) check_writable(options.checkpoint);
+}
+
+uint64_t count_triangles(const Scene& scene) {
+    uint64_t count = 0;
+    for (const auto& [handle, instance] : scene.instances()) count += scene.get(instance.mesh).triangle_count;
+    return count;
+}
+
+// Adds the GPU times of the frame that has just been completed.
+void add_times(std::vector<PassTime>& times, const Frame& frame) {
+    for (const PassInfo& pass : frame.passes()) {
+        const std::string name = pass.variant.empty() ? pass.name : fmt::format("{} [{}]", pass.name, pass.variant);
+        auto found = std::find_if(times.begin(), times.end(), [&](const PassTime& time) { return time.name == name; });
+        if (found == times.end()) found = times.insert(times.end(), PassTime{name});
+        found->ms += pass.gpu_ms;
+        ++found->count;
+    }
+}
+
+class Job {
+public:
+    Job(const RenderOptions& options, gpu::DevicePtr device)
+        : options_(options), settings_(read_settings(options)), device_(std::move(device)), began_(Clock::now()) {}
+
+    RenderReport run() {
+        check_targets(options_);
+        load();
+        open_device();
+        set_up();
+        resume();
+        render();
+        write_outputs();
+        finish_report();
+        return std::move(report_);
+    }
+
+private:
+    void load();
+    void open_device();
+    void set_up();
+    ViewDesc describe_view(const CameraView& camera) const;
+    void resume();
+    void render();
+    bool should_stop();
+    void show_progress(Progress& progress);
+    void save_checkpoint();
+    image::FilmSums sums_of(FilmReadback film, uint64_t end) const;
+    void write_outputs();
+    void write_part();
+    void write_picture();
+    void finish_report();
+    void log_finished() const;
+
+    const RenderOptions& options_;
+    RenderSettings settings_;
+    gpu::DevicePtr device_;
+    Clock::time_point began_;
+    LoadedScene loaded_;
+    CameraView camera_;
+    gpu::TraceWay way_ = gpu::TraceWay::Compute;
+    std::unique_ptr<SceneGpu> scene_gpu_;
+    std::unique_ptr<Frame> frame_;
+    std::unique_ptr<View> view_;
+    std::optional<Slicer> slicer_;
+    Clock::time_point checkpoint_time_;
+    uint64_t checkpoint_end_ = 0;
+    RenderReport report_;
+};
+
+void Job::load() {
+    const auto begin = Clock::now();
+    loaded_ = load_scene_by_name(options_.scene);
+    add_light(loaded_.scene, options_);
+    camera_ = choose_camera(loaded_.scene, options_, report_.camera);
+    report_.scene = options_.scene;
+    report_.triangles = count_triangles(loaded_.scene);
+    report_.instances = loaded_.scene.instances().size();
+    report_.load_seconds = seconds_since(begin);
+    log(LogLevel::Info, "scene {}: {} triangles in {} instances, camera {}", escape_name(report_.scene), report_.triangles, report_.instances, report_.camera);
+}
+
+void Job::open_device() {
+    if (!device_) device_ = gpu::Device::open({.selector = options_.device, .validate = options_.validate});
+    way_ = choose_trace_way(device_->caps(), options_.trace);
+    report_.device = device_->caps().name;
+    report_.driver = device_->caps().driver;
+    report_.trace = trace_way_name(way_);
+    log(LogLevel::Info, "device {} ({}), traces by {}", escape_name(report_.device), escape_name(report_.driver), report_.trace);
+}
+
+ViewDesc Job::describe_view(const CameraView& camera) const {
+    const float aspect = static_cast<float>(options_.size.width) / static_cast<float>(options_.size.height);
+    return {.width = options_.size.width,
+            .height = options_.size.height,
+            .camera = shader_camera(camera, aspect),
+            .seed = options_.seed,
+            .max_bounces = options_.max_bounces == 0 ? 0xFFFFFFFFu : options_.max_bounces,
+            .sampler = settings_.sampler,
+            .filter = options_.point_filter ? PixelFilter::Point : PixelFilter::Box,
+            .roulette_start = settings_.roulette_start,
+            .light_sampling = static_cast<uint32_t>(settings_.light_sampling),
+            .aovs = options_.aovs};
+}
+
+void Job::set_up() {
+    const auto begin = Clock::now();
+    frame_ = std::make_unique<Frame>(device_);
+    const bool hardware = way_ != gpu::TraceWay::Compute;
+    scene_gpu_ = std::make_unique<SceneGpu>(device_, SceneGpuOptions{.culling = settings_.culling == Culling::Gltf,
+                                                                     .infinite_share = settings_.infinite_share,
+                                                                     .hardware = hardware,
+                                                                     .own_bvh = !hardware});
+    scene_gpu_->sync(loaded_.scene);
+    scene_gpu_->update(*frame_);
+    const ViewDesc desc = describe_view(camera_);
+    view_ = std::make_unique<View>(device_, desc);
+    view_->prepare(*frame_);
+    frame_->run();
+    add_times(report_.passes, *frame_);
+    if (options_.list_frame) report_.listing = "set-up\n" + frame_->listing(true);
+    report_.lights = scene_gpu_->stats().emitters;
+    report_.exposure_metered = !options_.exposure_ev;
+    report_.exposure_ev = options_.exposure_ev ? *options_.exposure_ev : meter_scene(device_, *frame_, *scene_gpu_, way_, desc);
+    log(LogLevel::Info, "exposure EV100 {:.2f}{}", report_.exposure_ev, report_.exposure_metered ? ", metered from the scene" : "");
+    report_.settings_hash = hash_render(loaded_.scene, desc, settings_);
+    report_.setup_seconds = seconds_since(begin);
+}
+
+void Job::resume() {
+    IndexRange samples = options_.samples;
+    std::error_code ignored;
+    if (options_.resume && std::filesystem::exists(options_.checkpoint, ignored)) {
+        image::FilmSums film = read_checkpoint(options_.checkpoint, sums_of({view_->channels(), {}}, samples.end), samples);
+        log(LogLevel::Info, "resuming after {} samples", film.sample_end - film.sample_begin);
+        samples.begin = checkpoint_end_ = film.sample_end;
+        view_->restore_film(std::move(film.limbs));
+        view_->prepare(*frame_);
+        frame_->run();
+    }
+    report_.size = options_.size;
+    report_.wanted = options_.samples;
+    report_.resumed_at = samples.begin;
+    slicer_.emplace(options_.size, samples);
+}
+
+bool Job::should_stop() {
+    const bool in_block = options_.is_part || !options_.checkpoint.empty();
+    if (report_.interrupt == platform::Interrupt::None) report_.interrupt = platform::interrupt_requested();
+    if (report_.interrupt != platform::Interrupt::None) return !(in_block && slicer_->inside_block_end());
+    if (!options_.time_budget_seconds || seconds_since(began_) < *options_.time_budget_seconds) return false;
+    // Out of time. What is written needs at least one sample in every pixel, a part one block.
+    const uint64_t done = slicer_->whole_samples();
+    if (done <= options_.samples.begin || (options_.is_part && (done / shared::kSamplesPerBlock * shared::kSamplesPerBlock) <= options_.samples.begin)) return false;
+    report_.out_of_time = true;
+    return !(in_block && slicer_->inside_block_end());
+}
+
+void Job::show_progress(Progress& progress) {
+    const uint64_t done = slicer_->whole_samples() - options_.samples.begin;
+    progress.update(slicer_->done_work(), fmt::format("{}/{} spp", done, options_.samples.end - options_.samples.begin));
+}
+
+void Job::render() {
+    const auto begin = checkpoint_time_ = Clock::now();
+    Progress progress("rendering", slicer_->total_work());
+    show_progress(progress);
+    while (!should_stop()) {
+        const auto slice = slicer_->next();
+        if (!slice) break;
+        const auto slice_begin = Clock::now();
+        record_reference(*frame_, *scene_gpu_, way_, *view_, *slice, slice->first_sample + slice->sample_count == options_.samples.end);
+        frame_->run();
+        slicer_->measured(*slice, seconds_since(slice_begin));
+        add_times(report_.passes, *frame_);
+        if (options_.list_frame && slice->first_row == 0 && slice->first_sample == report_.resumed_at) report_.listing += "\nslice\n" + frame_->listing(true);
+        show_progress(progress);
+        if (options_.list_frame && options_.output.files.empty()) break;
+        const bool at_block_end = slicer_->whole_samples() % shared::kSamplesPerBlock == 0 && slicer_->whole_samples() > checkpoint_end_;
+        if (!options_.checkpoint.empty() && at_block_end && seconds_since(checkpoint_time_) > options_.checkpoint_seconds) save_checkpoint();
+    }
+    report_.render_seconds = seconds_since(begin);
+    report_.finished_end = slicer_->whole_samples();
+}
+
+image::FilmSums Job::sums_of(FilmReadback film, uint64_t end) const {
+    return make_film_sums(std::move(film), options_.size, {options_.samples.begin, end}, film_attributes(report_.settings_hash, report_.exposure_ev));
+}
+
+void Job::save_checkpoint() {
+    const uint64_t end = slicer_->whole_samples() / shared::kSamplesPerBlock * shared::kSamplesPerBlock;
+    if (end <= options_.samples.begin || end <= checkpoint_end_) return;
+    image::write_film_exr(options_.checkpoint, sums_of(view_->read_film(*frame_), end));
+    checkpoint_end_ = end;
+    checkpoint_time_ = Clock::now();
+}
+
+void Job::write_outputs() {
+    const bool complete = report_.finished_end == options_.samples.end;
+    // A last block that is not full has already been added: its sums cannot be continued.
+    if (!options_.checkpoint.empty() && (!complete || options_.samples.end % shared::kSamplesPerBlock == 0)) save_checkpoint();
+    if (options_.output.files.empty()) return;
+    if (options_.is_part)
+        write_part();
+    else
+        write_picture();
+    log_finished();
+}
+
+void Job::write_part() {
+    report_.finished_end = report_.finished_end / shared::kSamplesPerBlock * shared::kSamplesPerBlock;
+    if (report_.finished_end <= options_.samples.begin) return;
+    image::write_film_exr(options_.output.files.front(), sums_of(view_->read_film(*frame_), report_.finished_end));
+    report_.written = options_.output.files;
+}
+
+void Job::write_picture() {
+    if (report_.finished_end <= options_.samples.begin) return;
+    if (report_.finished_end != options_.samples.end) {
+        end_block(*frame_, *view_);
+        frame_->run();
+    }
+    std::vector<uint64_t> counts = slicer_->samples_of_rows();
+    for (uint64_t& count : counts) count -= options_.samples.begin;
+    write_pictures(options_.output, resolve_rows(sums_of(view_->read_film(*frame_), report_.finished_end), counts));
+    report_.written = options_.output.files;
+}
+
+void Job::log_finished() const {
+    const uint64_t wanted = options_.samples.end - options_.samples.begin;
+    const char* why = report_.interrupt != platform::Interrupt::None ? "interrupted" : report_.out_of_time ? "time budget used up" : "done";
+    if (report_.written.empty()) {
+        log(LogLevel::Warn, "{} before {} was finished: nothing is written", why, options_.is_part ? "the first block of 64 samples" : "the first sample of every pixel");
+        return;
+    }
+    std::string names;
+    for (const auto& file : report_.written) names += (names.empty() ? "" : ", ") + escape_name(file.string());
+    log(LogLevel::Info, "{}: {} of {} samples in {}, written to {}", why, report_.sample_count(), wanted, format_duration(report_.render_seconds), names);
+}
+
+void Job::finish_report() {
+    report_.max_bounces = options_.max_bounces;
+    report_.memory = device_->memory_use();
+    report_.peak_host_bytes = platform::peak_resident_bytes();
+    if (const uint64_t count = options_.validate ? device_->validation_message_count() : 0; count != 0)
+        throw Error(ErrorCode::Failed, fmt::format("the validation layers reported {} messages", count), "--validate", "they are printed above");
+}
+
+}  // namespace
+
+RenderReport run_render_job(const RenderOptions& options, gpu::DevicePtr device) { return Job(options, std::move(device)).run(); }
+
+}  // namespace parhelion

@@ -1,0 +1,55 @@
+#pragma once
+// One render job: scene, device, slices, progress, interruption, checkpoints, outputs. The command line, tests, the bench and
+// embedding programs use this.
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "base/platform.h"
+#include "gpu/device.h"
+#include "session/render_options.h"
+
+namespace parhelion {
+
+struct PassTime {
+    std::string name;  // with the way to trace: "reference/path_trace [compute]"
+    double ms = 0;     // on the GPU, all slices together
+    uint64_t count = 0;
+};
+
+struct RenderReport {
+    std::string renderer = "reference", device, driver, trace, scene, camera;
+    uint64_t triangles = 0, instances = 0, lights = 0;
+    Size2 size;
+    IndexRange wanted;          // samples that were asked for
+    uint64_t finished_end = 0;  // samples [wanted.begin, finished_end) are in every pixel of the outputs
+    uint64_t resumed_at = 0;    // first sample of this run
+    double load_seconds = 0, setup_seconds = 0, render_seconds = 0;
+    double exposure_ev = 0;
+    bool exposure_metered = false;
+    uint32_t max_bounces = 0;
+    uint64_t settings_hash = 0;
+    std::vector<PassTime> passes;
+    std::vector<gpu::MemoryUse> memory;
+    uint64_t peak_host_bytes = 0;
+    platform::Interrupt interrupt = platform::Interrupt::None;
+    bool out_of_time = false;
+    std::vector<std::filesystem::path> written;
+    std::string listing;  // --list-frame
+
+    uint64_t sample_count() const { return finished_end > wanted.begin ? finished_end - wanted.begin : 0; }
+    double trace_seconds() const;           // GPU time of the tracing passes
+    double mega_samples_per_second() const;  // pixel-samples of this run over its render time
+};
+nlohmann::ordered_json report_json(const RenderReport& report);
+
+// Runs the job and writes its outputs (not the JSON). Opens the device that the options name unless one is given.
+// Interrupted: writes what is finished and returns with report.interrupt set. Throws Error for everything else that goes wrong;
+// then no output exists, except a checkpoint, which stays.
+RenderReport run_render_job(const RenderOptions& options, gpu::DevicePtr device = nullptr);
+
+}  // namespace parhelion

@@ -1,0 +1,61 @@
+// The numbers of a job as JSON.
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "session/job.h"
+
+namespace parhelion {
+
+using Json = nlohmann::ordered_json;
+
+double RenderReport::trace_seconds() const {
+    double ms = 0;
+    for (const PassTime& pass : passes)
+        if (pass.name.find("path_trace") != std::string::npos) ms += pass.ms;
+    return ms / 1000;
+}
+
+double RenderReport::mega_samples_per_second() const {
+    const double samples = finished_end > resumed_at ? double(finished_end - resumed_at) * size.width * size.height : 0;
+    return render_seconds > 0 ? samples / render_seconds / 1e6 : 0;
+}
+
+Json report_json(const RenderReport& report) {
+    Json passes = Json::array(), memory = Json::object(), files = Json::array();
+    for (const PassTime& pass : report.passes) passes.push_back({{"name", pass.name}, {"ms", pass.ms}, {"count", pass.count}});
+    for (const gpu::MemoryUse& use : report.memory) memory[use.group] = use.bytes;
+    for (const auto& file : report.written) files.push_back(file.string());
+    const bool complete = report.finished_end == report.wanted.end;
+    return {{"renderer", report.renderer},
+            {"device", report.device},
+            {"driver", report.driver},
+            {"trace", report.trace},
+            {"scene", report.scene},
+            {"camera", report.camera},
+            {"triangles", report.triangles},
+            {"instances", report.instances},
+            {"lights", report.lights},
+            {"size", {report.size.width, report.size.height}},
+            {"max_bounces", report.max_bounces},
+            {"spp", report.sample_count()},
+            {"spp_wanted", report.wanted.end - report.wanted.begin},
+            {"first_sample", report.wanted.begin},
+            {"resumed_at", report.resumed_at},
+            {"complete", complete},
+            {"interrupted", report.interrupt != platform::Interrupt::None},
+            {"out_of_time", report.out_of_time},
+            {"exposure_ev100", report.exposure_ev},
+            {"exposure_metered", report.exposure_metered},
+            {"settings_hash", fmt::format("{:016x}", report.settings_hash)},
+            {"load_seconds", report.load_seconds},
+            {"setup_seconds", report.setup_seconds},
+            {"seconds", report.render_seconds},
+            {"trace_seconds", report.trace_seconds()},
+            {"mega_samples_per_s", report.mega_samples_per_second()},
+            {"passes", passes},
+            {"memory", memory},
+            {"peak_host_bytes", report.peak_host_bytes},
+            {"outputs", files}};
+}
+
+}  // namespace parhelion

@@ -1,0 +1,33 @@
+#pragma once
+// From options to a scene with light and a camera.
+#include <string>
+
+#include "gpu/device.h"
+#include "renderers/view.h"
+#include "scene/builtin.h"
+#include "scene/camera.h"
+#include "session/render_options.h"
+
+namespace parhelion {
+
+// A built-in scene or a file. Throws Error naming the file.
+LoadedScene load_scene_by_name(const std::string& name);
+
+// Applies --env and, in a scene without any light, a sky (and says so) unless the options forbid it.
+void add_light(Scene& scene, const RenderOptions& options);
+bool has_light(const Scene& scene);
+// The CIE standard overcast sky (Moon and Spencer 1942) over a ground that reflects a fifth.
+Environment overcast_sky();
+
+// The options' camera, else the scene's, else one that frames the scene. `description` says which, for the summary.
+CameraView choose_camera(const Scene& scene, const RenderOptions& options, std::string& description);
+shared::Camera shader_camera(const CameraView& view, float aspect);
+
+// `auto` is a table per kind of device (research: our own traversal wins on the CPU driver and on GPUs without ray tracing units).
+// Throws MissingFeature if the device lacks a way that was asked for.
+gpu::TraceWay choose_trace_way(const gpu::DeviceCaps& caps, TraceChoice choice);
+
+// A hash of everything in the scene that reaches the picture: equal scenes, equal hashes, wherever their files lie.
+uint64_t hash_scene(const Scene& scene);
+
+}  // namespace parhelion
