@@ -18,7 +18,7 @@ function(parhelion_compile_shader source name variant stage)
     string(MAKE_C_IDENTIFIER "${name}.${variant}.${stage}" id)
     set(spv ${shader_dir}/${id}.spv)
     add_custom_command(OUTPUT ${spv}
-        COMMAND ${Vulkan_GLSLC_EXECUTABLE} --target-env=vulkan1.3 -Werror -g0 -fshader-stage=${stage} ${ARGN}
+        COMMAND ${Vulkan_GLSLC_EXECUTABLE} --target-env=vulkan1.3 -Werror -fshader-stage=${stage} ${ARGN}
             -I ${PARHELION_SHADER_ROOT} -I ${CMAKE_SOURCE_DIR}/src/passes -MD -MF ${spv}.d -o ${spv} ${source}
         COMMAND ${SPIRV_VAL} --target-env vulkan1.3 --scalar-block-layout ${spv}
         DEPENDS ${source} DEPFILE ${spv}.d COMMENT "Shader ${name} ${variant}" VERBATIM)

@@ -1,61 +1,127 @@
 // Ray against triangle: the watertight test of our traversal, and the canonical recomputation of a hit that is already known.
+// Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection". Also compiled as C++ (shared/functions.h).
 #ifndef PARHELION_LIB_RAY_TRIANGLE_GLSL
 #define PARHELION_LIB_RAY_TRIANGLE_GLSL
+#include "shared/functions.h"
+SHARED_BEGIN
 
-// A ray prepared for the watertight test: axes permuted so that z is the largest direction component, sheared onto it.
-// Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection".
+// A ray prepared for triangles: axes permuted so that z is its largest direction component, sheared onto that axis.
 struct ShearedRay {
     vec3 origin;
-    ivec3 axes;
-    vec3 shear;
+    uint axis;   // the one that becomes z
+    vec3 shear;  // direction (x, y, 1) / z after the permutation
 };
 
-ShearedRay make_sheared_ray(vec3 origin, vec3 direction) {
-    ShearedRay r;
-    r.origin = origin;
-    const vec3 a = abs(direction);
-    r.axes.z = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
-    r.axes.x = r.axes.z == 2 ? 0 : r.axes.z + 1;
-    r.axes.y = r.axes.x == 2 ? 0 : r.axes.x + 1;
-    if (direction[r.axes.z] < 0.0) r.axes.xy = r.axes.yx;  // keeps the winding
-    r.shear = vec3(direction[r.axes.x], direction[r.axes.y], 1.0) / direction[r.axes.z];
-    return r;
+// Corners as the ray sees them: the ray is the line x = y = 0; t = shear.z * z.
+struct ShearedTriangle {
+    vec3 a, b, c;
+    float u, v, w;  // twice the signed areas opposite a, b, c. Each is >= 0 or <= 0 exactly when the exact area is.
+};
+
+struct TriangleHit {
+    float t;
+    vec2 barycentrics;  // weights of corners 1 and 2
+    bool front_facing;  // the corners run counter-clockwise as seen from the ray's origin
+};
+
+// A cyclic permutation, so handedness stays. Selects instead of indexing: registers cannot be indexed.
+SHARED_FN vec3 permute_axes(vec3 v, uint axis) { return axis == 0u ? vec3(v.y, v.z, v.x) : axis == 1u ? vec3(v.z, v.x, v.y) : v; }
+
+SHARED_FN ShearedRay make_sheared_ray(vec3 origin, vec3 direction) {
+    const vec3 length = abs(direction);
+    ShearedRay ray;
+    ray.origin = origin;
+    ray.axis = length.x >= length.y && length.x >= length.z ? 0u : length.y >= length.z ? 1u : 2u;
+    const vec3 d = permute_axes(direction, ray.axis);
+    SHARED_PRECISE const vec3 shear = vec3(d.x, d.y, 1.0f) / d.z;
+    ray.shear = shear;
+    return ray;
 }
 
-// Edges count as inside for both of their triangles, so no ray slips between them. t and the weights of p1, p2 on a hit.
-bool intersect_watertight(ShearedRay ray, vec3 p0, vec3 p1, vec3 p2, float t_min, float t_max, out float t, out vec2 barycentrics) {
-    precise const vec3 a = p0 - ray.origin, b = p1 - ray.origin, c = p2 - ray.origin;
-    const float az = a[ray.axes.z], bz = b[ray.axes.z], cz = c[ray.axes.z];
-    precise const vec2 ap = vec2(a[ray.axes.x], a[ray.axes.y]) - ray.shear.xy * az;
-    precise const vec2 bp = vec2(b[ray.axes.x], b[ray.axes.y]) - ray.shear.xy * bz;
-    precise const vec2 cp = vec2(c[ray.axes.x], c[ray.axes.y]) - ray.shear.xy * cz;
-    precise const float u = cp.x * bp.y - cp.y * bp.x;
-    precise const float v = ap.x * cp.y - ap.y * cp.x;
-    precise const float w = bp.x * ap.y - bp.y * ap.x;
-    if (min(u, min(v, w)) < 0.0 && max(u, max(v, w)) > 0.0) return false;
-    precise const float det = (u + v) + w;
-    if (det == 0.0) return false;
-    precise const float distance = ((u * az + v * bz) + w * cz) * ray.shear.z / det;
-    if (!(distance >= t_min && distance < t_max)) return false;
-    t = distance;
-    barycentrics = vec2(v, w) / det;
+// What rounding took from a product, exactly: a b - p for p = round(a b). Veltkamp's splitting, Dekker 1971.
+SHARED_FN float product_error(float a, float b, float p) {
+    SHARED_PRECISE const float ca = 4097.0f * a, cb = 4097.0f * b;
+    SHARED_PRECISE const float a_high = ca - (ca - a), b_high = cb - (cb - b);
+    SHARED_PRECISE const float a_low = a - a_high, b_low = b - b_high;
+    SHARED_PRECISE const float error = (((a_high * b_high - p) + a_high * b_low) + a_low * b_high) + a_low * b_low;
+    return error;
+}
+
+// a.x b.y - a.y b.x with the right sign: rounding is monotonic, so only equal products hide it, and their errors tell. Exactly
+// antisymmetric: both triangles at an edge take the same decision.
+SHARED_FN float edge_area(vec3 a, vec3 b) {
+    SHARED_PRECISE const float left = a.x * b.y, right = a.y * b.x;
+    SHARED_PRECISE const float area = left - right;
+    if (area != 0.0f || left == 0.0f) return area;
+    SHARED_PRECISE const float rest = product_error(a.x, b.y, left) - product_error(a.y, b.x, right);
+    return rest;
+}
+
+SHARED_FN vec3 shear_point(ShearedRay ray, vec3 p) {
+    SHARED_PRECISE const vec3 q = p - ray.origin;
+    const vec3 r = permute_axes(q, ray.axis);
+    SHARED_PRECISE const vec3 sheared = vec3(r.x - ray.shear.x * r.z, r.y - ray.shear.y * r.z, r.z);
+    return sheared;
+}
+
+SHARED_FN ShearedTriangle shear_triangle(ShearedRay ray, vec3 p0, vec3 p1, vec3 p2) {
+    ShearedTriangle s;
+    s.a = shear_point(ray, p0);
+    s.b = shear_point(ray, p1);
+    s.c = shear_point(ray, p2);
+    s.u = edge_area(s.c, s.b);
+    s.v = edge_area(s.a, s.c);
+    s.w = edge_area(s.b, s.a);
+    return s;
+}
+
+SHARED_FN bool surrounds_ray(ShearedTriangle s) { return min(s.u, min(s.v, s.w)) >= 0.0f || max(s.u, max(s.v, s.w)) <= 0.0f; }
+
+// The ray's line against the triangle; the caller looks at the range of t. Edges count as inside for both of their triangles,
+// so no ray slips between them. A triangle seen exactly edge-on is not hit.
+SHARED_FN bool intersect_watertight(ShearedRay ray, vec3 p0, vec3 p1, vec3 p2, SHARED_INOUT(TriangleHit) hit) {
+    const ShearedTriangle s = shear_triangle(ray, p0, p1, p2);
+    if (!surrounds_ray(s)) return false;
+    SHARED_PRECISE const float area = (s.u + s.v) + s.w;
+    if (area == 0.0f) return false;
+    SHARED_PRECISE const float t = ((s.u * s.a.z + s.v * s.b.z) + s.w * s.c.z) * ray.shear.z / area;
+    hit.t = t;
+    hit.barycentrics = vec2(s.v, s.w) / area;
+    hit.front_facing = (area > 0.0f) == (ray.shear.z > 0.0f);
     return true;
 }
 
-// t and barycentrics of a known hit, in world space, the same bits whoever asks. Cramer's rule on the triangle's edges (Moller
-// and Trumbore 1997); weights are clamped into the triangle, so that a grazing ray cannot leave it.
-void intersect_canonical(vec3 origin, vec3 direction, vec3 p0, vec3 p1, vec3 p2, out float t, out vec2 barycentrics) {
-    precise const vec3 e1 = p1 - p0, e2 = p2 - p0, s = origin - p0;
-    precise const vec3 q = vec3(direction.y * e2.z - direction.z * e2.y, direction.z * e2.x - direction.x * e2.z, direction.x * e2.y - direction.y * e2.x);
-    precise const vec3 r = vec3(s.y * e1.z - s.z * e1.y, s.z * e1.x - s.x * e1.z, s.x * e1.y - s.y * e1.x);
-    precise const float det = (e1.x * q.x + e1.y * q.y) + e1.z * q.z;
-    precise const float inv = det != 0.0 ? 1.0 / det : 0.0;
-    precise float u = ((s.x * q.x + s.y * q.y) + s.z * q.z) * inv;
-    precise float v = ((direction.x * r.x + direction.y * r.y) + direction.z * r.z) * inv;
-    precise const float distance = ((e2.x * r.x + e2.y * r.y) + e2.z * r.z) * inv;
-    u = clamp(u, 0.0, 1.0);
-    v = clamp(v, 0.0, 1.0 - u);
-    t = max(distance, 0.0);
-    barycentrics = vec2(u, v);
+// The point of segment ab nearest to the ray: (its share of b, its squared distance).
+SHARED_FN vec2 nearest_on_edge(vec3 a, vec3 b) {
+    SHARED_PRECISE const vec2 d = vec2(b.x - a.x, b.y - a.y);
+    SHARED_PRECISE const float length_squared = d.x * d.x + d.y * d.y, along = -(a.x * d.x + a.y * d.y);
+    SHARED_PRECISE const float share = length_squared > 0.0f ? min(max(along / length_squared, 0.0f), 1.0f) : 0.0f;
+    SHARED_PRECISE const vec2 point = vec2(a.x + share * d.x, a.y + share * d.y);
+    SHARED_PRECISE const float distance_squared = point.x * point.x + point.y * point.y;
+    return vec2(share, distance_squared);
 }
+
+// Weights of a, b, c at the point of the triangle's outline nearest to the ray.
+SHARED_FN vec3 nearest_on_outline(ShearedTriangle s) {
+    const vec2 ab = nearest_on_edge(s.a, s.b), bc = nearest_on_edge(s.b, s.c), ca = nearest_on_edge(s.c, s.a);
+    if (ab.y <= bc.y && ab.y <= ca.y) return vec3(1.0f - ab.x, ab.x, 0.0f);
+    return bc.y <= ca.y ? vec3(0.0f, 1.0f - bc.x, bc.x) : vec3(ca.x, 0.0f, 1.0f - ca.x);
+}
+
+// t >= 0 and barycentrics of a known hit in world space, the same bits whoever found it. Traversals work in object space or by
+// other arithmetic, so the ray may pass the triangle by some roundings or see it edge-on: then the triangle's point nearest to
+// the ray is taken. Weights are >= 0 and so is 1 - x - y.
+SHARED_FN void intersect_canonical(vec3 origin, vec3 direction, vec3 p0, vec3 p1, vec3 p2, SHARED_INOUT(float) t, SHARED_INOUT(vec2) barycentrics) {
+    const ShearedRay ray = make_sheared_ray(origin, direction);
+    const ShearedTriangle s = shear_triangle(ray, p0, p1, p2);
+    SHARED_PRECISE const float area = (s.u + s.v) + s.w;
+    SHARED_PRECISE vec3 weights = vec3(s.u, s.v, s.w) / area;
+    if (!surrounds_ray(s) || area == 0.0f) weights = nearest_on_outline(s);
+    SHARED_PRECISE const float distance = ((weights.x * s.a.z + weights.y * s.b.z) + weights.z * s.c.z) * ray.shear.z;
+    t = max(distance, 0.0f);
+    SHARED_PRECISE const float room = 1.0f - weights.y;
+    barycentrics = vec2(weights.y, min(weights.z, room));
+}
+
+SHARED_END
 #endif

@@ -1,15 +1,18 @@
 // Tracing by our own BVH: needs no ray tracing extension.
-#include "scene/traverse.glsl"
+#include "lib/traverse.glsl"
+#include "scene/alpha.glsl"
+
+BvhAddresses bvh_at(uint moment) {
+    if (moment == kNow) return BvhAddresses(scene.header.top_nodes, scene.header.top_items, scene.header.bottom_nodes, scene.header.bottom_triangles);
+    return BvhAddresses(scene.header.top_nodes_before, scene.header.top_items_before, scene.header.bottom_nodes, scene.header.bottom_triangles);
+}
+
+TraversalRay to_traversal_ray(Ray ray) { return TraversalRay(ray.origin_ws, ray.t_min, ray.direction_ws, ray.t_max, 0xFFu, ray.alpha_key); }
 
 Hit trace_closest(Ray ray) {
-    TraversalHit found;
-    if (!traverse(scene.header.top_nodes, scene.header.top_items, ray.origin_ws, ray.direction_ws, ray.t_min, ray.t_max, ray.alpha_key, false, found)) return make_miss();
-    return Hit(found.instance | ((scene_instance(found.instance).flags & kInstanceDeforms) << 30), found.geometry, found.primitive, packUnorm2x16(found.barycentrics), found.t);
+    TraversalHit hit;
+    if (!traverse_closest(bvh_at(kNow), to_traversal_ray(ray), hit)) return make_miss();
+    return Hit(hit.instance | ((scene_instance(hit.instance).flags & kInstanceDeforms) << 30), hit.geometry, hit.primitive, packUnorm2x16(hit.barycentrics), hit.t);
 }
 
-bool trace_visible(Ray ray, uint moment) {
-    TraversalHit found;
-    const uint64_t nodes = moment == kNow ? scene.header.top_nodes : scene.header.top_nodes_before;
-    const uint64_t items = moment == kNow ? scene.header.top_items : scene.header.top_items_before;
-    return !traverse(nodes, items, ray.origin_ws, ray.direction_ws, ray.t_min, ray.t_max, ray.alpha_key, true, found);
-}
+bool trace_visible(Ray ray, uint moment) { return !traverse_any(bvh_at(moment), to_traversal_ray(ray)); }

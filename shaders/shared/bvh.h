@@ -1,42 +1,57 @@
 // Our own acceleration structure: a bottom level per mesh, a top level over instances, the same 4-wide nodes in both.
-// Four-wide float boxes are the fastest layout on the CPU device and close to the best on a GPU without ray tracing hardware.
+// One layout for every device: float boxes, four wide, are the fastest on the CPU device and within a fifth of two-wide ones on
+// a GPU without ray tracing hardware; about 65 bytes a triangle.
 #ifndef PARHELION_SHARED_BVH_H
 #define PARHELION_SHARED_BVH_H
-#include "shared/scene.h"
+#include "shared/types.h"
 SHARED_BEGIN
 
-// BvhNode::child: kBvhEmpty, an inner node's index, or a leaf: kBvhLeaf | (count - 1) << kBvhCountShift | first item.
+// BvhNode::child: kBvhEmpty; or an inner node's index in its node array; or kBvhLeaf | first item, where an item is a
+// BvhTriangle in a bottom level and a BvhTopItem in the top level.
 SHARED_CONST uint kBvhEmpty = 0xFFFFFFFFu;
 SHARED_CONST uint kBvhLeaf = 0x80000000u;
-SHARED_CONST uint kBvhCountShift = 29u;
-SHARED_CONST uint kBvhFirstMask = 0x1FFFFFFFu;
-SHARED_CONST uint kBvhMaxLeaf = 4u;
+SHARED_CONST uint kBvhItemMask = 0x7FFFFFFFu;
+SHARED_CONST uint kBvhMaxLeaf = 4u;  // triangles in a leaf; a leaf of the top level holds one instance
 
-// The builder keeps every tree within this many levels of 4-wide nodes; a traversal pushes at most three nodes a level. A ray is
-// in one top and one bottom level at once.
-SHARED_CONST uint kBvhMaxDepth = 20u;
-SHARED_CONST uint kBvhStackSize = 2u * 3u * kBvhMaxDepth + 2u;
+// The builder keeps every tree within this many levels of nodes. A traversal that goes down one level leaves at most three
+// siblings on its stack, and it is in one top and one bottom level at once: a stack of this size cannot overflow.
+SHARED_CONST uint kBvhTopDepth = 12u;
+SHARED_CONST uint kBvhBottomDepth = 18u;
+SHARED_CONST uint kBvhStackSize = 3u * (kBvhTopDepth + kBvhBottomDepth);
 
 struct BvhNode {
-    vec4 min_x, min_y, min_z, max_x, max_y, max_z;  // of the four children; empty children have min > max
+    vec4 planes[6];  // of the four children: min x, max x, min y, max y, min z, max z. Empty children have min > max.
     uvec4 child;
 };
 
-// Object-space corners beside the ids: a leaf is read in one go.
+// 48 bytes, three aligned loads: object-space corners beside the ids.
 struct BvhTriangle {
     vec3 p0;
     uint geometry;   // of the mesh
     vec3 p1;
     uint primitive;  // of the geometry
     vec3 p2;
-    uint pad;
+    uint rest;       // triangles of the same leaf that follow; 0 ends the leaf
 };
 
-// A leaf of the top level. Holds its own transform, so that the previous frame's top level stays traceable.
+// An instance in the top level. Has its own transform, so that the previous frame's top level stays traceable:
+// p_object = (dot(row0, q), dot(row1, q), dot(row2, q)) with q = p_ws - origin_ws, which loses less far from the world's origin
+// than a product with a 3x4 matrix does.
 struct BvhTopItem {
-    Affine object_from_world;
+    vec3 row0;
     uint instance;
-    uint root;  // of the bottom level, in the node array
+    vec3 row1;
+    uint root;      // of its bottom level, in the node array
+    vec3 row2;
+    uint mask;      // rays whose mask shares no bit pass by
+    vec3 origin_ws; // where the object's origin lies
+    uint pad;       // 64 bytes, four aligned loads
+};
+
+// Where the levels lie on the device.
+struct BvhAddresses {
+    uint64_t top_nodes, top_items;            // BvhNode[], BvhTopItem[]
+    uint64_t bottom_nodes, bottom_triangles;  // BvhNode[], BvhTriangle[]
 };
 
 SHARED_END

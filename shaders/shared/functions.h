@@ -1,7 +1,8 @@
 // Lets a pure function be written once and compiled as GLSL and as C++20, so that the host computes the very same bits.
 // Such a file keeps to what both languages know: SHARED_FN before each function, SHARED_INOUT(T) for an `inout T` parameter,
 // functional casts, float literals with f, members instead of swizzles, SHARED_ARRAY(Name, T) to read T[] at an address as
-// Name(address).v[i] (in C++ an address of host memory). Only operations that are exact (integers, conversions
+// Name(address).v[i] (in C++ an address of host memory; SHARED_ARRAY_16: the address is a multiple of 16), SHARED_PRECISE before
+// a variable whose roundings matter (GLSL's precise). Only operations that are exact (integers, conversions
 // of at most 24 bits, products with powers of two) are promised to agree between devices.
 #ifndef PARHELION_SHARED_FUNCTIONS_H
 #define PARHELION_SHARED_FUNCTIONS_H
@@ -12,6 +13,8 @@
 #define SHARED_FN inline
 #define SHARED_INOUT(T) T&
 #define SHARED_ARRAY(Name, T) using Name = HostArray<T>;
+#define SHARED_ARRAY_16(Name, T) using Name = HostArray<T>;
+#define SHARED_PRECISE
 namespace parhelion::shared {
 
 template <class T>
@@ -21,6 +24,10 @@ struct HostArray {
 };
 
 // GLSL's built-in functions that such files use.
+using glm::abs;
+using glm::dot;
+using glm::max;
+using glm::min;
 constexpr int findLSB(uint v) { return v == 0u ? -1 : std::countr_zero(v); }
 constexpr uint bitfieldReverse(uint v) {
     v = ((v >> 1) & 0x55555555u) | ((v & 0x55555555u) << 1);
@@ -35,5 +42,7 @@ constexpr uint bitfieldReverse(uint v) {
 #define SHARED_FN
 #define SHARED_INOUT(T) inout T
 #define SHARED_ARRAY(Name, T) layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Name { T v[]; };
+#define SHARED_ARRAY_16(Name, T) layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Name { T v[]; };
+#define SHARED_PRECISE precise
 #endif
 #endif

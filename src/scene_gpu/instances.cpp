@@ -65,9 +65,9 @@ void SceneGpu::State::place_instances(Frame& frame) {
     instance_table = make_buffer(frame, "instances", instances);
     if (uses_hardware()) {
         tlas_instances = make_buffer(frame, "tlas_instances", driver);
-        gpu::AccelStruct& tlas = tlas[parity];
-        tlas = gpu::AccelStruct::top(device, "accel/top", std::max(1u, static_cast<uint32_t>(driver.size())));
-        frame.build_tlas(tlas, tlas_instances, static_cast<uint32_t>(driver.size()), blases);
+        gpu::AccelStruct& top_level = tlas[parity];
+        top_level = gpu::AccelStruct::top(device, "accel/top", std::max(1u, static_cast<uint32_t>(driver.size())));
+        frame.build_tlas(top_level, tlas_instances, static_cast<uint32_t>(driver.size()), blases);
     }
     if (options.own_bvh) {
         const bvh::Top top = bvh::build_top(own);
