@@ -101,9 +101,10 @@ ShaderCode read_shader(Reader& in) {
     }
     for (uint32_t n = in.count(12); n > 0; --n) out.structs.push_back(read_struct(in));
     const auto words = in.take(size_t(in.count(4)) * 4);
+    if (words.empty()) Reader::fail("a shader is empty");
     out.words.resize(words.size() / 4);
     std::memcpy(out.words.data(), words.data(), words.size());
-    if (out.words.empty() || out.words[0] != kSpirvMagic) Reader::fail("a shader is not SPIR-V");
+    if (out.words[0] != kSpirvMagic) Reader::fail("a shader is not SPIR-V");
     out.hash = hash_bytes(words.data(), words.size());
     return out;
 }
