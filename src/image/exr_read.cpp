@@ -1,0 +1,170 @@
+// EXR files to memory. The header is read and held against the limits before OpenEXR's own reader, which allocates by it,
+// sees the file.
+#include <algorithm>
+#include <cstring>
+#include <functional>
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+#include <ImfIO.h>
+#include <ImfPartType.h>
+#include <ImfStringAttribute.h>
+#include <ImfTileDescription.h>
+#include <ImfVersion.h>
+#include <Iex.h>
+
+#include "image/limits.h"
+
+namespace parhelion::image {
+
+namespace {
+
+class MemoryInput final : public Imf::IStream {
+public:
+    explicit MemoryInput(std::span<const std::byte> bytes) : IStream("image"), bytes_(bytes) {}
+
+    bool read(char out[], int size) override {
+        if (size < 0 || static_cast<uint64_t>(size) > bytes_.size() - position_) throw Iex::InputExc("the file ends early");
+        std::memcpy(out, bytes_.data() + position_, static_cast<size_t>(size));
+        position_ += static_cast<uint64_t>(size);
+        return position_ < bytes_.size();
+    }
+    uint64_t tellg() override { return position_; }
+    void seekg(uint64_t position) override {
+        if (position > bytes_.size()) throw Iex::InputExc("the file ends early");
+        position_ = position;
+    }
+    void clear() override {}
+
+private:
+    std::span<const std::byte> bytes_;
+    uint64_t position_ = 0;
+};
+
+struct Size {
+    uint64_t width = 0, height = 0;
+};
+
+Size data_size(const Imf::Header& header) {
+    const Imath::Box2i& box = header.dataWindow();
+    if (box.max.x < box.min.x || box.max.y < box.min.y) return {};
+    return {static_cast<uint64_t>(int64_t{box.max.x} - box.min.x) + 1, static_cast<uint64_t>(int64_t{box.max.y} - box.min.y) + 1};
+}
+
+uint64_t channel_count(const Imf::Header& header) {
+    uint64_t count = 0;
+    for (auto c = header.channels().begin(); c != header.channels().end(); ++c) ++count;
+    return count;
+}
+
+// All parts' headers, for OpenEXR allocates tables for each.
+void check_headers(std::span<const std::byte> bytes, const DecodeLimits& limits, std::string_view where) {
+    MemoryInput input(bytes);
+    char start[8];
+    input.read(start, sizeof(start));
+    int version = 0;
+    for (int i = 0; i < 4; ++i) version |= static_cast<unsigned char>(start[4 + i]) << (8 * i);
+    if (Imf::getVersion(version) != Imf::EXR_VERSION || !Imf::supportsFlags(Imf::getFlags(version)))
+        refuse_image(where, "is an OpenEXR file of a version that is not supported");
+    if (Imf::isNonImage(version)) refuse_image(where, "is an EXR with deep data, which is not supported");
+    for (bool more = true; more;) {
+        Imf::Header header;
+        header.readFrom(input, version);
+        const Size size = data_size(header);
+        check_limits(size.width, size.height, sizeof(float) * std::max<uint64_t>(1, channel_count(header)), limits, where);
+        if (header.hasTileDescription()) check_limits(header.tileDescription().xSize, header.tileDescription().ySize, 1, limits, where);
+        for (auto c = header.channels().begin(); c != header.channels().end(); ++c)
+            if (c.channel().xSampling != 1 || c.channel().ySampling != 1)
+                refuse_image(where, "is an EXR with subsampled channels, which are not supported", "save it as RGB");
+        // In a multi-part file headers end with an empty one.
+        if (!Imf::isMultiPart(version) || input.tellg() >= bytes.size()) break;
+        char next = 0;
+        input.read(&next, 1);
+        more = next != 0;
+        input.seekg(input.tellg() - 1);
+    }
+}
+
+struct Opened {
+    uint32_t width, height;
+    std::vector<std::string> channels = {};
+    Attributes attributes = {};
+};
+
+// Reads all channels as `type` into the memory that `allocate` returns for a count of four-byte values.
+Opened read_channels(std::span<const std::byte> bytes, const DecodeLimits& limits, std::string_view where, Imf::PixelType type,
+                     const std::function<char*(size_t)>& allocate) {
+    check_headers(bytes, limits, where);
+    MemoryInput input(bytes);
+    Imf::InputFile file(input);
+    const Imf::Header& header = file.header();
+    const Size size = data_size(header);
+    Opened out{.width = static_cast<uint32_t>(size.width), .height = static_cast<uint32_t>(size.height)};
+    for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
+        if (type == Imf::UINT && c.channel().type != Imf::UINT) refuse_image(where, fmt::format("its channel {} is not of type UINT", escape_name(c.name())));
+        out.channels.emplace_back(c.name());
+    }
+    if (out.channels.empty()) refuse_image(where, "is an EXR without channels");
+    for (auto a = header.begin(); a != header.end(); ++a)
+        if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a.attribute())) out.attributes[a.name()] = text->value();
+
+    const uint64_t pixels = size.width * size.height;
+    char* data = allocate(out.channels.size() * pixels);
+    Imf::FrameBuffer frame;
+    const Imath::Box2i& box = header.dataWindow();
+    for (size_t c = 0; c < out.channels.size(); ++c)
+        frame.insert(out.channels[c], Imf::Slice::Make(type, data + 4 * c * pixels, box, 4, 4 * size.width));
+    file.setFrameBuffer(frame);
+    file.readPixels(box.min.y, box.max.y);
+    return out;
+}
+
+// Runs `decode`, turning OpenEXR's exceptions into ours.
+template <class Decode>
+Opened guard(std::string_view where, const Decode& decode) {
+    try {
+        return decode();
+    } catch (const Error&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        refuse_image(where, "cannot be decoded: out of memory");
+    } catch (const std::exception& e) {
+        refuse_image(where, fmt::format("is a damaged EXR: {}", escape_name(e.what())));
+    }
+}
+
+}  // namespace
+
+ImageF decode_exr(std::span<const std::byte> bytes, const DecodeLimits& limits, std::string_view where) {
+    ImageF image;
+    Opened opened = guard(where, [&] {
+        return read_channels(bytes, limits, where, Imf::FLOAT, [&](size_t count) {
+            image.data.resize(count);
+            return reinterpret_cast<char*>(image.data.data());
+        });
+    });
+    image.width = opened.width;
+    image.height = opened.height;
+    image.channels = std::move(opened.channels);
+    image.attributes = std::move(opened.attributes);
+    return image;
+}
+
+UintImage decode_uint_exr(std::span<const std::byte> bytes, const DecodeLimits& limits, std::string_view where) {
+    UintImage image;
+    Opened opened = guard(where, [&] {
+        return read_channels(bytes, limits, where, Imf::UINT, [&](size_t count) {
+            image.data.resize(count);
+            return reinterpret_cast<char*>(image.data.data());
+        });
+    });
+    image.width = opened.width;
+    image.height = opened.height;
+    image.channels = std::move(opened.channels);
+    image.attributes = std::move(opened.attributes);
+    return image;
+}
+
+}  // namespace parhelion::image
