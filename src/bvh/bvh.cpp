@@ -3,81 +3,126 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/parallel.h"
 
 namespace parhelion::bvh {
 
+static_assert(sizeof(shared::BvhNode) == 112 && sizeof(shared::BvhTriangle) == 48 && sizeof(shared::BvhTopItem) == 64);
+
 namespace {
 
-bool finite(glm::vec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
+constexpr size_t kGrain = 1u << 15;
 
-// Shifts what a tree of its own refers to, to its place in shared arrays.
-void append_nodes(std::vector<shared::BvhNode>& to, const std::vector<shared::BvhNode>& from, uint32_t first_item) {
-    const uint32_t base = static_cast<uint32_t>(to.size());
-    for (shared::BvhNode node : from) {
-        for (int c = 0; c < 4; ++c)
-            if (node.child[c] != shared::kBvhEmpty) node.child[c] += (node.child[c] & shared::kBvhLeaf) != 0 ? first_item : base;
-        to.push_back(node);
+bool in_range(glm::vec3 p) { return std::abs(p.x) <= 1e18f && std::abs(p.y) <= 1e18f && std::abs(p.z) <= 1e18f; }  // false for NaN
+
+// One record and one box a triangle; the box is empty where the triangle cannot be used.
+void read_triangles(std::span<const BottomGeometry> geometries, std::vector<shared::BvhTriangle>& triangles, std::vector<Box>& boxes) {
+    size_t first = 0;
+    for (uint32_t g = 0; g < geometries.size(); ++g) {
+        const BottomGeometry& geometry = geometries[g];
+        parallel_for(geometry.triangles.size(), kGrain, [&](size_t begin, size_t end) {
+            for (size_t t = begin; t < end; ++t) {
+                const glm::uvec3 index = geometry.triangles[t];
+                PARHELION_CHECK(std::max(index.x, std::max(index.y, index.z)) < geometry.positions.size(), "triangle {} has an index beyond {} vertices", t,
+                                geometry.positions.size());
+                const glm::vec3 p0 = geometry.positions[index.x], p1 = geometry.positions[index.y], p2 = geometry.positions[index.z];
+                triangles[first + t] = {.p0 = p0, .geometry = g, .p1 = p1, .primitive = static_cast<uint32_t>(t), .p2 = p2, .rest = 0};
+                if (in_range(p0) && in_range(p1) && in_range(p2)) boxes[first + t].add(p0), boxes[first + t].add(p1), boxes[first + t].add(p2);
+            }
+        });
+        first += geometry.triangles.size();
     }
+}
+
+// Appends a tree's nodes, whose references become those of shared arrays.
+void append_nodes(std::vector<shared::BvhNode>& to, const std::vector<shared::BvhNode>& from, uint32_t first_item) {
+    const uint32_t first_node = static_cast<uint32_t>(to.size());
+    to.insert(to.end(), from.begin(), from.end());
+    for (size_t n = first_node; n < to.size(); ++n)
+        for (int c = 0; c < 4; ++c)
+            if (to[n].child[c] != shared::kBvhEmpty) to[n].child[c] += (to[n].child[c] & shared::kBvhLeaf) != 0 ? first_item : first_node;
+}
+
+glm::dmat3 absolute(const glm::dmat3& m) { return {glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2])}; }
+
+bool is_finite(const glm::dmat3& m) {
+    for (int c = 0; c < 3; ++c)
+        for (int r = 0; r < 3; ++r)
+            if (!std::isfinite(static_cast<float>(m[c][r]))) return false;
+    return true;
+}
+
+// World box of an instance: that of its root's children, which is tighter under rotation than that of the whole.
+Box world_box(const shared::BvhNode& root, const glm::dmat3& linear, const glm::dmat3& inverse, const glm::dvec3& origin) {
+    glm::dvec3 low(1e300), high(-1e300), reach = glm::abs(origin);
+    for (int c = 0; c < 4; ++c) {
+        if (root.child[c] == shared::kBvhEmpty) continue;
+        const glm::dvec3 min(root.planes[0][c], root.planes[2][c], root.planes[4][c]), max(root.planes[1][c], root.planes[3][c], root.planes[5][c]);
+        const glm::dvec3 middle = linear * (0.5 * (min + max)) + origin, half = absolute(linear) * (0.5 * (max - min));
+        low = glm::min(low, middle - half), high = glm::max(high, middle + half);
+    }
+    Box box;
+    if (low.x > high.x) return box;
+    // A ray is rounded on its way into object space. Carried back, that is some units in the last place of the coordinates
+    // involved, times the transform's condition. The traversal adds what the ray's own origin brings.
+    reach = glm::max(reach, glm::max(glm::abs(low), glm::abs(high)));
+    const glm::dvec3 margin = 1e-6 * (absolute(linear) * (absolute(inverse) * reach));
+    box.min = glm::vec3(low - margin), box.max = glm::vec3(high + margin);
+    return in_range(box.min) && in_range(box.max) ? box : Box{};
 }
 
 }  // namespace
 
 uint32_t add_bottom(Bottoms& bottoms, std::span<const BottomGeometry> geometries) {
-    std::vector<shared::BvhTriangle> triangles;
-    std::vector<Box> boxes;
-    Bottoms::Entry entry;
-    for (uint32_t g = 0; g < geometries.size(); ++g)
-        for (uint32_t t = 0; t < geometries[g].triangles.size(); ++t) {
-            const glm::uvec3 index = geometries[g].triangles[t];
-            const glm::vec3 p0 = geometries[g].positions[index.x], p1 = geometries[g].positions[index.y], p2 = geometries[g].positions[index.z];
-            if (!finite(p0) || !finite(p1) || !finite(p2)) continue;
-            Box box;
-            box.add(p0), box.add(p1), box.add(p2);
-            entry.box.add(box);
-            boxes.push_back(box);
-            triangles.push_back({.p0 = p0, .geometry = g, .p1 = p1, .primitive = t, .p2 = p2});
+    size_t count = 0;
+    for (const BottomGeometry& geometry : geometries) count += geometry.triangles.size();
+    if (bottoms.triangles.size() + count > shared::kBvhItemMask || bottoms.nodes.size() + count > shared::kBvhItemMask)
+        throw Error(ErrorCode::Failed, "the scene has more than 2^31 triangles", "own BVH", "trace by pipeline or query");
+    std::vector<shared::BvhTriangle> triangles(count);
+    std::vector<Box> boxes(count);
+    read_triangles(geometries, triangles, boxes);
+    const WideTree tree = build_wide_tree(boxes, shared::kBvhMaxLeaf, shared::kBvhBottomDepth);
+
+    const size_t first_triangle = bottoms.triangles.size();
+    bottoms.roots.push_back(static_cast<uint32_t>(bottoms.nodes.size()));
+    append_nodes(bottoms.nodes, tree.nodes, static_cast<uint32_t>(first_triangle));
+    bottoms.triangles.resize(first_triangle + tree.order.size());
+    parallel_for(tree.order.size(), kGrain, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) {
+            bottoms.triangles[first_triangle + i] = triangles[tree.order[i]];
+            bottoms.triangles[first_triangle + i].rest = tree.rest[i];
         }
-    if (bottoms.triangles.size() + triangles.size() > shared::kBvhFirstMask)
-        throw Error(ErrorCode::Failed, "the scene has more than 2^29 triangles", "own BVH", "trace by pipeline or query");
-    if (!triangles.empty()) {
-        const WideTree tree = build_wide_tree(boxes, shared::kBvhMaxLeaf);
-        entry.root = static_cast<uint32_t>(bottoms.nodes.size());
-        append_nodes(bottoms.nodes, tree.nodes, static_cast<uint32_t>(bottoms.triangles.size()));
-        for (const uint32_t i : tree.order) bottoms.triangles.push_back(triangles[i]);
-    }
-    bottoms.entries.push_back(entry);
-    return static_cast<uint32_t>(bottoms.entries.size() - 1);
+    });
+    return static_cast<uint32_t>(bottoms.roots.size() - 1);
 }
 
-TopItem make_top_item(const Bottoms& bottoms, uint32_t entry, const glm::mat4& world_from_object, uint32_t instance) {
-    const Box& box = bottoms.entries.at(entry).box;
-    const glm::mat4 m(glm::inverse(glm::dmat4(world_from_object)));
-    TopItem out{.item = {.object_from_world = {{m[0][0], m[1][0], m[2][0], m[3][0]}, {m[0][1], m[1][1], m[2][1], m[3][1]}, {m[0][2], m[1][2], m[2][2], m[3][2]}},
+TopItem make_top_item(const Bottoms& bottoms, uint32_t mesh, const glm::mat4& world_from_object, uint32_t instance, uint32_t mask) {
+    const uint32_t root = bottoms.roots.at(mesh);
+    const glm::dmat3 linear{glm::dmat4(world_from_object)}, inverse = glm::inverse(linear);
+    const glm::vec3 origin(world_from_object[3]);
+    const auto row = [&](int r) { return glm::vec3(inverse[0][r], inverse[1][r], inverse[2][r]); };
+    TopItem out{.item = {.row0 = row(0),
                          .instance = instance,
-                         .root = bottoms.entries[entry].root}};
-    if (box.empty()) return out;
-    glm::dvec3 low(1e300), high(-1e300);
-    for (int corner = 0; corner < 8; ++corner) {
-        const glm::dvec3 p((corner & 1) ? box.max.x : box.min.x, (corner & 2) ? box.max.y : box.min.y, (corner & 4) ? box.max.z : box.min.z);
-        const glm::dvec3 w(glm::dmat4(world_from_object) * glm::dvec4(p, 1.0));
-        low = glm::min(low, w), high = glm::max(high, w);
-    }
-    // The ray is rounded on its way into object space: the box grows by some units in the last place of its largest coordinate.
-    const double reach = std::max(glm::length(low), glm::length(high));
-    out.world_box.min = glm::vec3(low - reach * 1e-6);
-    out.world_box.max = glm::vec3(high + reach * 1e-6);
+                         .row1 = row(1),
+                         .root = root,
+                         .row2 = row(2),
+                         .mask = mask,
+                         .origin_ws = origin},
+                .box_ws = {}};
+    if (is_finite(linear) && is_finite(inverse) && in_range(origin)) out.box_ws = world_box(bottoms.nodes[root], linear, inverse, glm::dvec3(origin));
     return out;
 }
 
 Top build_top(std::span<const TopItem> items) {
-    std::vector<Box> boxes;
-    std::vector<uint32_t> kept;
-    for (uint32_t i = 0; i < items.size(); ++i)
-        if (items[i].item.root != shared::kBvhEmpty) boxes.push_back(items[i].world_box), kept.push_back(i);
+    if (items.size() > size_t(1) << (2 * shared::kBvhTopDepth))
+        throw Error(ErrorCode::Failed, fmt::format("the scene has {} instances; our own BVH holds 2^24", items.size()), "own BVH", "trace by pipeline or query");
+    std::vector<Box> boxes(items.size());
+    for (size_t i = 0; i < items.size(); ++i) boxes[i] = items[i].box_ws;
+    WideTree tree = build_wide_tree(boxes, 1, shared::kBvhTopDepth);
     Top top;
-    WideTree tree = build_wide_tree(boxes, 1);
     top.nodes = std::move(tree.nodes);
-    for (const uint32_t i : tree.order) top.items.push_back(items[kept[i]].item);
+    top.items.reserve(tree.order.size());
+    for (const uint32_t i : tree.order) top.items.push_back(items[i].item);
     return top;
 }
 

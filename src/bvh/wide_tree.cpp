@@ -1,169 +1,103 @@
-#include <algorithm>
+// From a binary tree to one with four children a node.
 #include <array>
-#include <bit>
-#include <numeric>
+#include <cmath>
 
 #include "base/error.h"
-#include "bvh/bvh.h"
+#include "bvh/binary_tree.h"
 
 namespace parhelion::bvh {
 
 namespace {
 
-constexpr uint32_t kBins = 16;
-constexpr uint32_t kMaxBinaryDepth = 2 * shared::kBvhMaxDepth - 1;
-constexpr float kTraversalCost = 1.0f;  // of a node, in triangle tests
-
-struct BinaryNode {
-    Box box;
-    uint32_t left = 0, right = 0;         // children; left == 0: a leaf
-    uint32_t first = 0, count = 0;
+struct Children {
+    std::array<uint32_t, 4> node;  // of the binary tree
+    uint32_t count = 0;
 };
 
-struct Builder {
-    std::span<const Box> boxes;
-    std::vector<glm::vec3> centers;
-    std::vector<uint32_t> order;
-    std::vector<BinaryNode> nodes;
-    uint32_t max_leaf;
-
-    struct Task {
-        uint32_t node, depth;
-    };
-
-    void build() {
-        order.resize(boxes.size());
-        std::iota(order.begin(), order.end(), 0u);
-        centers.resize(boxes.size());
-        for (size_t i = 0; i < boxes.size(); ++i) centers[i] = 0.5f * boxes[i].min + 0.5f * boxes[i].max;
-        nodes.push_back({.first = 0, .count = static_cast<uint32_t>(boxes.size())});
-        std::vector<Task> tasks{{0, 0}};
-        while (!tasks.empty()) {
-            const Task task = tasks.back();
-            tasks.pop_back();
-            const uint32_t middle = split(task);
-            if (middle == 0) continue;
-            const uint32_t first = nodes[task.node].first, count = nodes[task.node].count, left = static_cast<uint32_t>(nodes.size());
-            nodes.push_back({.first = first, .count = middle - first});
-            nodes.push_back({.first = middle, .count = first + count - middle});
-            nodes[task.node].left = left;
-            nodes[task.node].right = left + 1;
-            tasks.push_back({left, task.depth + 1});
-            tasks.push_back({left + 1, task.depth + 1});
+// The binary nodes that become the children of a wide node: starting from `root`, inner nodes are opened until there are four.
+// A node too high for the `room` levels of wide nodes that may follow is opened first: it takes two of its levels along, so a
+// tree of height 2 max_depth always fits. Else the one with the largest surface, which rays would most likely open anyway.
+Children gather_children(const BinaryTree& tree, uint32_t root, uint32_t room) {
+    Children children{.node = {root}, .count = 1};
+    while (children.count < 4) {
+        uint32_t best = 4;
+        bool best_forced = false;
+        float best_area = 0;
+        for (uint32_t c = 0; c < children.count; ++c) {
+            const BinaryNode& node = tree.nodes[children.node[c]];
+            if (node.split == 0) continue;
+            const bool forced = node.height > 2 * room;
+            const float area = node.box.half_area();
+            if (best == 4 || forced > best_forced || (forced == best_forced && area > best_area)) best = c, best_forced = forced, best_area = area;
         }
+        if (best == 4) break;
+        const uint32_t split = tree.nodes[children.node[best]].split;
+        children.node[best] = 2 * split;
+        children.node[children.count++] = 2 * split + 1;
     }
+    return children;
+}
 
-    // Orders the node's items into two halves; returns where the second begins, 0 for a leaf.
-    uint32_t split(const Task& task) {
-        BinaryNode& node = nodes[task.node];
-        Box center_box;
-        for (uint32_t i = node.first; i < node.first + node.count; ++i) node.box.add(boxes[order[i]]), center_box.add(centers[order[i]]);
-        if (node.count <= 1) return 0;
-        // When the levels that are left just suffice to halve down to leaves, halve.
-        const uint32_t halvings = static_cast<uint32_t>(std::bit_width((node.count - 1) / max_leaf));
-        if (task.depth + halvings >= kMaxBinaryDepth) return node.count <= max_leaf ? 0 : median(node, center_box);
-        return sah(node, center_box);
+// A plane moved outwards by four roundings, for a traversal that multiplies it with a reciprocal (lib/traverse.glsl).
+float widen(float plane, float sign) { return plane + sign * std::abs(plane) * 2.4e-7f; }
+
+void set_box(shared::BvhNode& node, int c, const Box& box) {
+    for (int axis = 0; axis < 3; ++axis) {
+        node.planes[2 * axis][c] = box.empty() ? box.min[axis] : widen(box.min[axis], -1.0f);
+        node.planes[2 * axis + 1][c] = box.empty() ? box.max[axis] : widen(box.max[axis], 1.0f);
     }
+}
 
-    uint32_t median(const BinaryNode& node, const Box& center_box) {
-        const glm::vec3 extent = center_box.max - center_box.min;
-        const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-        const auto first = order.begin() + node.first, middle = first + node.count / 2, last = first + node.count;
-        std::nth_element(first, middle, last, [&](uint32_t a, uint32_t b) { return centers[a][axis] != centers[b][axis] ? centers[a][axis] < centers[b][axis] : a < b; });
-        return node.first + node.count / 2;
+shared::BvhNode empty_node() {
+    shared::BvhNode node{};
+    for (int c = 0; c < 4; ++c) {
+        set_box(node, c, {});
+        node.child[c] = shared::kBvhEmpty;
     }
+    return node;
+}
 
-    uint32_t sah(const BinaryNode& node, const Box& center_box) {
-        const glm::vec3 extent = center_box.max - center_box.min;
-        float best_cost = node.count <= max_leaf ? static_cast<float>(node.count) * node.box.half_area() : 3e38f;
-        int best_axis = -1;
-        uint32_t best_bin = 0;
-        for (int axis = 0; axis < 3; ++axis) {
-            if (!(extent[axis] > 0.0f)) continue;
-            std::array<Box, kBins> bins;
-            std::array<uint32_t, kBins> counts{};
-            for (uint32_t i = node.first; i < node.first + node.count; ++i) {
-                const uint32_t bin = bin_of(centers[order[i]][axis], center_box, axis);
-                bins[bin].add(boxes[order[i]]);
-                ++counts[bin];
-            }
-            std::array<float, kBins> right_cost{};
-            Box right;
-            uint32_t right_count = 0;
-            for (uint32_t b = kBins - 1; b > 0; --b) {
-                right.add(bins[b]);
-                right_count += counts[b];
-                right_cost[b] = right.half_area() * static_cast<float>(right_count);
-            }
-            Box left;
-            uint32_t left_count = 0;
-            for (uint32_t b = 1; b < kBins; ++b) {
-                left.add(bins[b - 1]);
-                left_count += counts[b - 1];
-                if (left_count == 0 || left_count == node.count) continue;
-                const float cost = kTraversalCost * node.box.half_area() + left.half_area() * static_cast<float>(left_count) + right_cost[b];
-                if (cost < best_cost) best_cost = cost, best_axis = axis, best_bin = b;
-            }
-        }
-        if (best_axis < 0) return node.count <= max_leaf ? 0 : median(node, center_box);
-        const auto first = order.begin() + node.first;
-        const auto middle = std::stable_partition(first, first + node.count, [&](uint32_t i) { return bin_of(centers[i][best_axis], center_box, best_axis) < best_bin; });
-        return static_cast<uint32_t>(middle - order.begin());
-    }
-
-    static uint32_t bin_of(float center, const Box& box, int axis) {
-        const float scaled = (center - box.min[axis]) / (box.max[axis] - box.min[axis]) * static_cast<float>(kBins);
-        return std::min(static_cast<uint32_t>(std::max(scaled, 0.0f)), kBins - 1);
-    }
-};
-
-// Two binary levels become one 4-wide node.
-void collapse(const Builder& builder, std::vector<shared::BvhNode>& out) {
+// max_depth: levels of wide nodes, for a binary tree of at most twice that height.
+std::vector<shared::BvhNode> collapse(const BinaryTree& tree, uint32_t max_depth) {
     struct Task {
-        uint32_t binary, wide;
+        uint32_t binary, wide, depth;
     };
-    out.push_back({});
-    std::vector<Task> tasks{{0, 0}};
+    std::vector<shared::BvhNode> nodes{empty_node()};
+    if (tree.items.empty()) return nodes;
+    std::vector<Task> tasks{{0, 0, 0}};
     while (!tasks.empty()) {
         const Task task = tasks.back();
         tasks.pop_back();
-        std::vector<uint32_t> children;
-        const auto expand = [&](uint32_t n, auto&& take) {
-            const BinaryNode& node = builder.nodes[n];
-            if (node.left == 0) take(n);
-            else take(node.left), take(node.right);
-        };
-        expand(task.binary, [&](uint32_t child) { child == task.binary ? children.push_back(child) : expand(child, [&](uint32_t grandchild) { children.push_back(grandchild); }); });
-        shared::BvhNode wide{};
-        for (int c = 0; c < 4; ++c) {
-            const bool used = c < static_cast<int>(children.size()) && builder.nodes[children[c]].count != 0;
-            const Box box = used ? builder.nodes[children[c]].box : Box{};
-            wide.min_x[c] = box.min.x, wide.min_y[c] = box.min.y, wide.min_z[c] = box.min.z;
-            wide.max_x[c] = box.max.x, wide.max_y[c] = box.max.y, wide.max_z[c] = box.max.z;
-            wide.child[c] = shared::kBvhEmpty;
-            if (!used) continue;
-            const BinaryNode& node = builder.nodes[children[c]];
-            if (node.left == 0) {
-                wide.child[c] = shared::kBvhLeaf | (node.count - 1) << shared::kBvhCountShift | node.first;
-            } else {
-                wide.child[c] = static_cast<uint32_t>(out.size());
-                tasks.push_back({children[c], static_cast<uint32_t>(out.size())});
-                out.push_back({});
-            }
+        const Children children = gather_children(tree, task.binary, max_depth - task.depth - 1);
+        for (uint32_t c = 0; c < children.count; ++c) {
+            const BinaryNode& child = tree.nodes[children.node[c]];
+            shared::BvhNode& node = nodes[task.wide];
+            set_box(node, static_cast<int>(c), child.box);
+            node.child[c] = child.split == 0 ? shared::kBvhLeaf | child.first : static_cast<uint32_t>(nodes.size());
+            if (child.split == 0) continue;
+            tasks.push_back({children.node[c], static_cast<uint32_t>(nodes.size()), task.depth + 1});
+            nodes.push_back(empty_node());
         }
-        out[task.wide] = wide;
     }
+    return nodes;
 }
 
 }  // namespace
 
-WideTree build_wide_tree(std::span<const Box> boxes, uint32_t max_leaf) {
-    PARHELION_CHECK(boxes.size() <= shared::kBvhFirstMask, "{} items are more than a tree holds", boxes.size());
-    Builder builder{.boxes = boxes, .max_leaf = max_leaf};
-    builder.build();
+WideTree build_wide_tree(std::span<const Box> boxes, uint32_t max_leaf, uint32_t max_depth) {
+    std::vector<BuildItem> items;
+    items.reserve(boxes.size());
+    for (size_t i = 0; i < boxes.size(); ++i)
+        if (!boxes[i].empty()) items.push_back({boxes[i].min, static_cast<uint32_t>(i), boxes[i].max});
+    const BinaryTree binary = build_binary_tree(std::move(items), max_leaf, 2 * max_depth);
     WideTree tree;
-    collapse(builder, tree.nodes);
-    tree.order = std::move(builder.order);
+    tree.nodes = collapse(binary, max_depth);
+    tree.order.resize(binary.items.size());
+    tree.rest.resize(binary.items.size());
+    for (size_t i = 0; i < binary.items.size(); ++i) tree.order[i] = binary.items[i].index;
+    for (const BinaryNode& node : binary.nodes)
+        if (node.split == 0)
+            for (uint32_t i = 0; i < node.count; ++i) tree.rest[node.first + i] = static_cast<uint8_t>(node.count - 1 - i);
     return tree;
 }
 

@@ -18,7 +18,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"base", {}},
     {"image", {"base"}},
     {"sampling", {"base", "lib"}},  // the sampler of shaders/lib, compiled as C++
-    {"bvh", {"base"}},
+    {"bvh", {"base", "lib"}},       // the traversal of shaders/lib, compiled as C++
     {"scene", {"base", "image", "sampling"}},
     {"gpu", {"base"}},
     {"frame", {"base", "gpu"}},

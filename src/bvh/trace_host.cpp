@@ -1,0 +1,40 @@
+#include "bvh/trace_host.h"
+
+namespace parhelion::shared {
+
+namespace {
+thread_local const bvh::AcceptHit* current_accept = nullptr;  // of the trace call that this thread is in
+}
+
+bool accept_hit(uint, uint instance, uint geometry_of_mesh, uint primitive, vec2 barycentrics, bool front_facing) {
+    return !*current_accept || (*current_accept)(instance, geometry_of_mesh, primitive, barycentrics, front_facing);
+}
+
+}  // namespace parhelion::shared
+
+namespace parhelion::bvh {
+
+namespace {
+
+template <class T>
+uint64_t address(const std::vector<T>& v) {
+    return reinterpret_cast<uint64_t>(v.data());
+}
+
+shared::BvhAddresses addresses(const Bottoms& bottoms, const Top& top) {
+    return {address(top.nodes), address(top.items), address(bottoms.nodes), address(bottoms.triangles)};
+}
+
+}  // namespace
+
+bool trace_closest_host(const Bottoms& bottoms, const Top& top, const shared::TraversalRay& ray, shared::TraversalHit& hit, const AcceptHit& accept) {
+    shared::current_accept = &accept;
+    return shared::traverse_closest(addresses(bottoms, top), ray, hit);
+}
+
+bool trace_any_host(const Bottoms& bottoms, const Top& top, const shared::TraversalRay& ray, const AcceptHit& accept) {
+    shared::current_accept = &accept;
+    return shared::traverse_any(addresses(bottoms, top), ray);
+}
+
+}  // namespace parhelion::bvh
