@@ -1,0 +1,204 @@
+#include "scene/gltf_accessors.h"
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <type_traits>
+
+#include "base/error.h"
+
+namespace parhelion {
+
+namespace {
+
+enum class ComponentType { Byte = 5120, UnsignedByte = 5121, Short = 5122, UnsignedShort = 5123, UnsignedInt = 5125, Float = 5126 };
+
+// Calls f with a value of the C++ type.
+template <class F>
+decltype(auto) with_type(ComponentType type, F&& f) {
+    switch (type) {
+        case ComponentType::Byte: return f(int8_t{});
+        case ComponentType::UnsignedByte: return f(uint8_t{});
+        case ComponentType::Short: return f(int16_t{});
+        case ComponentType::UnsignedShort: return f(uint16_t{});
+        case ComponentType::UnsignedInt: return f(uint32_t{});
+        case ComponentType::Float: break;
+    }
+    return f(float{});
+}
+
+uint32_t size_of(ComponentType type) {
+    return with_type(type, [](auto value) { return static_cast<uint32_t>(sizeof(value)); });
+}
+
+ComponentType read_component_type(const JsonRef& json) {
+    const uint64_t number = json.as_uint(0xFFFF);
+    if (number < 5120 || number > 5126 || number == 5124)
+        json.fail(fmt::format("{} is no component type", number), "5120, 5121, 5122, 5123, 5125 or 5126");
+    return static_cast<ComponentType>(number);
+}
+
+struct Accessor {
+    JsonRef json;
+    uint64_t count;
+    ComponentType type;
+    uint32_t components;
+    bool normalized;
+    const std::byte* data = nullptr;  // none: zeros
+    uint64_t stride = 0;
+};
+
+uint32_t component_count(const JsonRef& type) {
+    const std::string_view name = type.as_string();
+    if (name == "SCALAR") return 1;
+    if (name == "VEC2") return 2;
+    if (name == "VEC3") return 3;
+    if (name == "VEC4") return 4;
+    type.fail(fmt::format("'{}' cannot be used here", escape_name(name, 20)), "SCALAR, VEC2, VEC3 or VEC4");
+}
+
+// Bytes of `count` elements of `element_size` at `offset` of a view; checked in 64 bits (count < 2^32, stride <= 252).
+const std::byte* locate(const JsonRef& json, const GltfDocument::View& view, uint64_t offset, uint64_t count, uint64_t element_size, uint64_t stride) {
+    const uint64_t span = count == 0 ? 0 : (count - 1) * stride + element_size;
+    if (offset > view.bytes.size() || span > view.bytes.size() - offset)
+        json.fail(fmt::format("{} elements need {} bytes at offset {}, but the buffer view has {}", count, span, offset, view.bytes.size()));
+    return view.bytes.data() + offset;
+}
+
+Accessor open_accessor(GltfDocument& document, const JsonRef& use) {
+    const JsonRef json = document.entry("accessors", use);
+    Accessor a{.json = json,
+               .count = json.at("count").as_uint(std::numeric_limits<uint32_t>::max()),
+               .type = read_component_type(json.at("componentType")),
+               .components = component_count(json.at("type")),
+               .normalized = json.boolean("normalized", false)};
+    if (a.normalized && (a.type == ComponentType::Float || a.type == ComponentType::UnsignedInt)) json.fail("only 8 and 16 bit integers can be normalised");
+    const uint64_t element_size = uint64_t(size_of(a.type)) * a.components;
+    if (const std::optional<JsonRef> view_ref = json.find("bufferView")) {
+        const GltfDocument::View view = document.view(*view_ref);
+        a.stride = view.stride != 0 ? view.stride : element_size;
+        if (a.stride < element_size) json.fail(fmt::format("its elements of {} bytes overlap at a stride of {}", element_size, a.stride));
+        a.data = locate(json, view, json.uint("byteOffset", 0, 1ull << 53), a.count, element_size, a.stride);
+    }
+    return a;
+}
+
+// Element by element conversion into `out`, `components` values apart.
+template <class T>
+void convert(const std::byte* data, uint64_t stride, uint64_t count, uint32_t components, bool normalized, float* out) {
+    const float scale = normalized ? 1.0f / static_cast<float>(std::numeric_limits<T>::max()) : 1.0f;
+    for (uint64_t i = 0; i < count; ++i)
+        for (uint32_t c = 0; c < components; ++c) {
+            T value;
+            std::memcpy(&value, data + i * stride + c * sizeof(T), sizeof(T));
+            const float result = static_cast<float>(value) * scale;
+            *out++ = normalized ? std::max(result, -1.0f) : result;  // the most negative integer is -1 too (glTF 2.0, 3.11)
+        }
+}
+
+struct Sparse {
+    std::vector<uint32_t> indices;
+    const std::byte* values = nullptr;
+};
+
+std::vector<uint32_t> read_integers(const std::byte* data, ComponentType type, uint64_t stride, uint64_t count) {
+    std::vector<uint32_t> out(count);
+    with_type(type, [&](auto tag) {
+        using T = decltype(tag);
+        for (uint64_t i = 0; i < count; ++i) {
+            T value;
+            std::memcpy(&value, data + i * stride, sizeof(T));
+            out[i] = static_cast<uint32_t>(value);
+        }
+    });
+    return out;
+}
+
+bool unsigned_type(ComponentType type) {
+    return type == ComponentType::UnsignedByte || type == ComponentType::UnsignedShort || type == ComponentType::UnsignedInt;
+}
+
+Sparse read_sparse(GltfDocument& document, const Accessor& a, const JsonRef& json) {
+    const uint64_t count = json.at("count").as_uint(a.count);
+    const JsonRef indices = json.at("indices"), values = json.at("values");
+    const ComponentType type = read_component_type(indices.at("componentType"));
+    if (!unsigned_type(type)) indices.at("componentType").fail("sparse indices are unsigned integers");
+    const uint64_t element_size = uint64_t(size_of(a.type)) * a.components;
+    const GltfDocument::View index_view = document.view(indices.at("bufferView")), value_view = document.view(values.at("bufferView"));
+    const std::byte* data = locate(indices, index_view, indices.uint("byteOffset", 0, 1ull << 53), count, size_of(type), size_of(type));
+    Sparse sparse;
+    sparse.values = locate(values, value_view, values.uint("byteOffset", 0, 1ull << 53), count, element_size, element_size);
+    document.files().charge(count * sizeof(uint32_t), indices.where());
+    sparse.indices = read_integers(data, type, size_of(type), count);
+    for (uint64_t i = 0; i < count; ++i) {
+        if (sparse.indices[i] >= a.count) indices.fail(fmt::format("index {} is {}; the accessor has {} elements", i, sparse.indices[i], a.count));
+        if (i > 0 && sparse.indices[i] <= sparse.indices[i - 1]) indices.fail(fmt::format("index {} is not larger than the one before", i));
+    }
+    return sparse;
+}
+
+// All values as floats into out[count * components], which holds zeros.
+void read_floats(GltfDocument& document, const Accessor& a, float* out) {
+    if (a.type == ComponentType::UnsignedInt) a.json.fail("32-bit integers can only be indices");
+    with_type(a.type, [&](auto tag) {
+        using T = decltype(tag);
+        if (a.data != nullptr) convert<T>(a.data, a.stride, a.count, a.components, a.normalized, out);
+        if (const std::optional<JsonRef> json = a.json.find("sparse")) {
+            const Sparse sparse = read_sparse(document, a, *json);
+            const uint64_t element_size = sizeof(T) * a.components;
+            for (uint64_t i = 0; i < sparse.indices.size(); ++i)
+                convert<T>(sparse.values + i * element_size, element_size, 1, a.components, a.normalized,
+                           out + uint64_t(sparse.indices[i]) * a.components);
+        }
+    });
+    for (uint64_t i = 0; i < a.count * a.components; ++i)
+        if (!std::isfinite(out[i])) a.json.fail(fmt::format("element {} is not a finite number", i / a.components), "the file is damaged: export it again");
+}
+
+}  // namespace
+
+template <glm::length_t N>
+std::vector<glm::vec<N, float>> read_vectors(GltfDocument& document, const JsonRef& use) {
+    const Accessor a = open_accessor(document, use);
+    if (a.components != static_cast<uint32_t>(N)) use.fail(fmt::format("has {} components in {}, expected VEC{}", a.components, a.json.path(), N));
+    document.files().charge(a.count * sizeof(glm::vec<N, float>), a.json.where());
+    std::vector<glm::vec<N, float>> out(a.count, glm::vec<N, float>(0.0f));
+    if (!out.empty()) read_floats(document, a, &out[0][0]);
+    return out;
+}
+template std::vector<glm::vec2> read_vectors<2>(GltfDocument&, const JsonRef&);
+template std::vector<glm::vec3> read_vectors<3>(GltfDocument&, const JsonRef&);
+template std::vector<glm::vec4> read_vectors<4>(GltfDocument&, const JsonRef&);
+
+std::vector<glm::vec4> read_colors(GltfDocument& document, const JsonRef& use) {
+    const Accessor a = open_accessor(document, use);
+    if (a.components < 3) use.fail(fmt::format("has {} components in {}, expected VEC3 or VEC4", a.components, a.json.path()));
+    document.files().charge(2 * a.count * sizeof(glm::vec4), a.json.where());
+    std::vector<float> floats(a.count * a.components);
+    read_floats(document, a, floats.data());
+    std::vector<glm::vec4> out(a.count, glm::vec4(1.0f));
+    for (uint64_t i = 0; i < a.count; ++i)
+        for (uint32_t c = 0; c < a.components; ++c) out[i][static_cast<glm::length_t>(c)] = glm::clamp(floats[i * a.components + c], 0.0f, 1.0f);
+    return out;
+}
+
+std::vector<uint32_t> read_indices(GltfDocument& document, const JsonRef& use, uint64_t vertex_count) {
+    const Accessor a = open_accessor(document, use);
+    if (a.components != 1 || !unsigned_type(a.type) || a.normalized) use.fail(fmt::format("{} is not a SCALAR of unsigned integers", a.json.path()));
+    document.files().charge(a.count * sizeof(uint32_t), a.json.where());
+    std::vector<uint32_t> out(a.count);
+    if (a.data != nullptr) out = read_integers(a.data, a.type, a.stride, a.count);
+    if (const std::optional<JsonRef> json = a.json.find("sparse")) {
+        const Sparse sparse = read_sparse(document, a, *json);
+        const std::vector<uint32_t> values = read_integers(sparse.values, a.type, size_of(a.type), sparse.indices.size());
+        for (size_t i = 0; i < values.size(); ++i) out[sparse.indices[i]] = values[i];
+    }
+    const uint64_t restart = (1ull << (8 * size_of(a.type))) - 1;
+    for (uint64_t i = 0; i < out.size(); ++i) {
+        if (out[i] == restart) use.fail(fmt::format("index {} is {}, the primitive restart value, which glTF forbids", i, out[i]));
+        if (out[i] >= vertex_count) use.fail(fmt::format("index {} is {}, but there are {} vertices", i, out[i], vertex_count));
+    }
+    return out;
+}
+
+}  // namespace parhelion

@@ -1,0 +1,26 @@
+#pragma once
+// Accessors: typed arrays of a glTF file, of every component type, interleaved, normalised, sparse or without data (zeros).
+#include <cstdint>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "scene/gltf_document.h"
+
+namespace parhelion {
+
+// `use` is the number that names the accessor, where it is used ("meshes[0].primitives[0].attributes.POSITION"). The type must be
+// VECn (SCALAR for n = 1). Integers come as they are, or mapped to [0, 1] or [-1, 1] if normalised. Every value is finite.
+template <glm::length_t N>
+std::vector<glm::vec<N, float>> read_vectors(GltfDocument& document, const JsonRef& use);
+extern template std::vector<glm::vec2> read_vectors<2>(GltfDocument&, const JsonRef&);
+extern template std::vector<glm::vec3> read_vectors<3>(GltfDocument&, const JsonRef&);
+extern template std::vector<glm::vec4> read_vectors<4>(GltfDocument&, const JsonRef&);
+
+// Colours: VEC3 (alpha 1) or VEC4.
+std::vector<glm::vec4> read_colors(GltfDocument& document, const JsonRef& use);
+
+// A SCALAR of an unsigned type; no index is `vertex_count` or more.
+std::vector<uint32_t> read_indices(GltfDocument& document, const JsonRef& use, uint64_t vertex_count);
+
+}  // namespace parhelion

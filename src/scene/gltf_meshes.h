@@ -1,0 +1,18 @@
+#pragma once
+// Meshes of a glTF file: triangles of every mode, attributes, missing normals and tangents.
+#include "scene/gltf_document.h"
+#include "scene/gltf_materials.h"
+
+namespace parhelion {
+
+// The material numbers that a mesh uses; std::nullopt stands for the default material.
+std::set<std::optional<uint32_t>> materials_of(const JsonRef& mesh);
+
+struct MeshOptions {
+    bool median_order = true;  // see median_order.h
+};
+
+// Primitives without triangles or positions are left out, with a warning.
+Mesh read_mesh(GltfDocument& document, const JsonRef& json, const MaterialHandles& materials, const MeshOptions& options);
+
+}  // namespace parhelion

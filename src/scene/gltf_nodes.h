@@ -1,0 +1,24 @@
+#pragma once
+// The node hierarchy of a glTF file as a checked forest, and the things that nodes carry.
+#include <vector>
+
+#include "scene/gltf_document.h"
+#include "scene/types.h"
+
+namespace parhelion {
+
+struct GltfNode {
+    uint32_t index;                    // in the file
+    uint32_t parent;                   // in this list; kNoParent for roots
+    static constexpr uint32_t kNoParent = 0xFFFFFFFFu;
+};
+
+// The nodes of the file's default scene, parents before children. Throws Error for cycles, nodes with two parents and scenes that
+// name a node which is not a root.
+std::vector<GltfNode> collect_nodes(GltfDocument& document);
+
+Transform read_transform(GltfDocument& document, const JsonRef& node);
+Camera read_camera(GltfDocument& document, const JsonRef& json);
+Light read_light(GltfDocument& document, const JsonRef& json);
+
+}  // namespace parhelion

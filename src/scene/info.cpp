@@ -1,0 +1,107 @@
+#include "scene/info.h"
+
+namespace parhelion {
+
+namespace {
+
+uint64_t bytes_of(const Primitive& p) {
+    return p.positions.size() * sizeof(glm::vec3) + p.normals.size() * sizeof(glm::vec3) + p.tangents.size() * sizeof(glm::vec4) +
+           (p.uv0.size() + p.uv1.size()) * sizeof(glm::vec2) + p.colors.size() * sizeof(glm::vec4) + p.triangles.size() * sizeof(glm::uvec3);
+}
+
+void describe_geometry(const Scene& scene, SceneInfo& info) {
+    for (const auto& [handle, mesh] : scene.meshes()) {
+        info.primitives += mesh.primitives.size();
+        info.triangles += mesh.triangle_count;
+        for (const Primitive& primitive : mesh.primitives) {
+            info.vertices += primitive.positions.size();
+            info.geometry_bytes += bytes_of(primitive);
+        }
+    }
+    for (const auto& [handle, instance] : scene.instances()) {
+        const Mesh& mesh = scene.get(instance.mesh);
+        info.instanced_triangles += mesh.triangle_count;
+        for (const Primitive& primitive : mesh.primitives) {
+            const Material& material = scene.get(primitive.material);
+            if (material.emission == glm::vec3(0.0f) || material.unlit) continue;
+            ++info.emitters;
+            info.emissive_triangles += primitive.triangles.size();
+        }
+    }
+}
+
+std::string_view light_kind_name(LightKind kind) {
+    return kind == LightKind::Directional ? "directional" : kind == LightKind::Point ? "point" : "spot";
+}
+
+std::string list(const std::vector<std::string>& names) {
+    std::string out;
+    for (const std::string& name : names) out += (out.empty() ? "" : ", ") + escape_name(name);
+    return out.empty() ? "none" : out;
+}
+
+double mebibytes(uint64_t bytes) { return static_cast<double>(bytes) / 1048576.0; }
+
+}  // namespace
+
+SceneInfo describe(const LoadedScene& loaded) {
+    const Scene& scene = loaded.scene;
+    const SceneSource& source = scene.source();
+    SceneInfo info{.name = source.name, .generator = source.generator, .copyright = source.copyright};
+    info.nodes = scene.nodes().size();
+    info.meshes = scene.meshes().size();
+    info.instances = scene.instances().size();
+    info.materials = scene.materials().size();
+    info.images = scene.images().size();
+    describe_geometry(scene, info);
+    for (const auto& [handle, image] : scene.images()) info.image_bytes += image.rgba.size();
+    for (const auto& [handle, texture] : scene.textures()) {
+        const Image& image = scene.get(texture.image);
+        info.textures.push_back({texture.name.empty() ? image.name : texture.name, image.width, image.height, texture.color_space});
+    }
+    for (const auto& [handle, light] : scene.lights()) info.lights.push_back({light.name, light.kind, light.color * light.intensity});
+    for (const auto& [handle, camera] : scene.cameras()) info.cameras.push_back(camera.name);
+    for (const ScriptedEdit& edit : loaded.scripted_edits) info.scripted_edits.push_back(edit.name + ": " + edit.help);
+    info.environment = !scene.environment().black();
+    info.animations = source.animation_count;
+    info.skins = source.skin_count;
+    info.morphed_meshes = source.morphed_mesh_count;
+    info.extensions_used = source.extensions_used;
+    info.extensions_not_drawn = source.extensions_not_drawn;
+    info.warnings = source.warnings;
+    info.bounds = scene.bounds();
+    info.file_bytes = source.file_bytes;
+    return info;
+}
+
+std::string format_info(const SceneInfo& info) {
+    std::string out = fmt::format("{}\n", escape_name(info.name));
+    const auto line = [&](std::string_view label, const std::string& text) { out += fmt::format("  {:<12} {}\n", label, text); };
+    if (!info.generator.empty()) line("generator", escape_name(info.generator));
+    if (!info.copyright.empty()) line("copyright", escape_name(info.copyright));
+    line("geometry", fmt::format("{} triangles and {} vertices in {} meshes ({} primitives)", info.triangles, info.vertices, info.meshes, info.primitives));
+    line("placed", fmt::format("{} triangles in {} instances, {} nodes", info.instanced_triangles, info.instances, info.nodes));
+    line("materials", fmt::format("{} with {} textures of {} images", info.materials, info.textures.size(), info.images));
+    for (const TextureInfoRow& t : info.textures)
+        line("", fmt::format("{}x{} {} '{}'", t.width, t.height, t.color_space == ColorSpace::Srgb ? "sRGB" : "linear", escape_name(t.name)));
+    line("lights", fmt::format("{} emissive geometries with {} triangles, {} punctual, environment {}", info.emitters, info.emissive_triangles,
+                               info.lights.size(), info.environment ? "yes" : "no"));
+    for (const LightInfoRow& l : info.lights)
+        line("", fmt::format("{} '{}' ({:g}, {:g}, {:g}) {}", light_kind_name(l.kind), escape_name(l.name), l.intensity.x, l.intensity.y, l.intensity.z,
+                             l.kind == LightKind::Directional ? "lux" : "candela"));
+    line("cameras", list(info.cameras));
+    if (!info.scripted_edits.empty()) line("animate", list(info.scripted_edits));
+    if (info.animations + info.skins + info.morphed_meshes != 0)
+        line("animation", fmt::format("{} animations, {} skins, {} morphed meshes", info.animations, info.skins, info.morphed_meshes));
+    if (!info.bounds.empty())
+        line("bounds", fmt::format("({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g}) metres", info.bounds.min.x, info.bounds.min.y, info.bounds.min.z,
+                                   info.bounds.max.x, info.bounds.max.y, info.bounds.max.z));
+    line("memory", fmt::format("{:.1f} MiB geometry, {:.1f} MiB images; files {:.1f} MiB", mebibytes(info.geometry_bytes), mebibytes(info.image_bytes),
+                               mebibytes(info.file_bytes)));
+    if (!info.extensions_used.empty()) line("extensions", list(info.extensions_used));
+    if (!info.extensions_not_drawn.empty()) line("not drawn", list(info.extensions_not_drawn));
+    for (const std::string& warning : info.warnings) line("warning", escape_name(warning, 400));
+    return out;
+}
+
+}  // namespace parhelion

@@ -1,0 +1,63 @@
+#include "scene/load.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/file.h"
+#include "base/log.h"
+#include "image/decode.h"
+#include "scene/gltf_read.h"
+
+namespace parhelion {
+
+namespace {
+
+std::string file_hint(const std::filesystem::path& path) {
+    const std::string extension = path.extension().string();
+    if (extension == ".gltf" || extension == ".glb") return {};
+    return "SCENE is a .gltf or .glb file, or builtin:NAME";
+}
+
+}  // namespace
+
+LoadedScene load_scene(const std::string& name, const LoadOptions& options) {
+    if (is_builtin(name)) return make_builtin(name, options.builtin);
+    const std::filesystem::path path(name);
+    const std::string shown = escape_name(name);
+    std::error_code ec;
+    if (!std::filesystem::exists(path, ec)) throw Error(ErrorCode::Failed, "there is no such file", shown, file_hint(path));
+    const std::filesystem::path folder = path.parent_path();
+    SceneFiles files(folder.empty() ? "." : folder, options.limits);
+    const SceneFiles::Bytes bytes = files.read_main(path);
+    try {
+        LoadedScene out;
+        out.scene.apply(read_gltf(files, *bytes, shown, {.median_order = options.median_order}));
+        for (const std::string& warning : out.scene.source().warnings) log(LogLevel::Warn, "{}: {}", shown, warning);
+        return out;
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorCode::Failed, "does not fit into the memory of this machine", shown);
+    }
+}
+
+Environment load_environment(const std::filesystem::path& path) {
+    constexpr uint64_t kMaxBytes = 4ull << 30;
+    constexpr float kLargest = 65504.0f;
+    const std::string shown = escape_name(path.string());
+    const image::ImageF image = image::decode_linear(read_file(path, kMaxBytes), {}, shown);
+    const image::RgbPlanes planes = image::rgb_planes(image, {}, shown);
+    Environment out{.name = path.filename().string(), .width = image.width, .height = image.height, .scale = glm::vec3(1.0f)};
+    out.radiance.resize(image.pixel_count());
+    size_t mended = 0;
+    const auto mend = [&](float x) {
+        if (x >= 0.0f && x < std::numeric_limits<float>::infinity()) return x;
+        ++mended;
+        return x > 0.0f ? kLargest : 0.0f;
+    };
+    for (size_t i = 0; i < out.radiance.size(); ++i) out.radiance[i] = {mend(planes.r[i]), mend(planes.g[i]), mend(planes.b[i])};
+    if (mended != 0) log(LogLevel::Warn, "{}: {} values were negative or not finite and were mended", shown, mended);
+    if (image.width != 2 * image.height)
+        log(LogLevel::Warn, "{}: is {}x{}; an equirectangular map is twice as wide as high", shown, image.width, image.height);
+    return out;
+}
+
+}  // namespace parhelion

@@ -1,0 +1,24 @@
+#pragma once
+// The front door: a scene or an environment from what the user names.
+#include <filesystem>
+#include <string>
+
+#include "scene/builtin.h"
+#include "scene/scene_files.h"
+
+namespace parhelion {
+
+struct LoadOptions {
+    SceneFileLimits limits;
+    bool median_order = true;
+    BuiltinOptions builtin;
+};
+
+// "builtin:NAME", or a .gltf or .glb file (told apart by content). Warnings of the file go to the log and into scene.source().
+LoadedScene load_scene(const std::string& name, const LoadOptions& options = {});
+
+// An equirectangular .hdr or .exr (also .png and .jpg, as sRGB) with scale 1 and no rotation. Values that are negative or not
+// finite are made 0 or the largest half float, with a warning.
+Environment load_environment(const std::filesystem::path& path);
+
+}  // namespace parhelion
