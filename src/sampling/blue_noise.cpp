@@ -21,9 +21,9 @@ public:
     EnergyMap(uint32_t size, uint32_t seed) : size_(size), energy_(size * size), set_(size * size, 0), rows_(size) {
         for (int dy = -kRadius; dy <= kRadius; ++dy)
             for (int dx = -kRadius; dx <= kRadius; ++dx)
-                kernel_.push_back(static_cast<int64_t>(std::lround(std::exp(-(dx * dx + dy * dy) / (2 * kDeviation * kDeviation)) * 0x1p40)));
+                kernel_.push_back(static_cast<int64_t>(std::lround(std::exp(-(dx * dx + dy * dy) / (2 * kDeviation * kDeviation)) * 0x1p28)));
         // A little noise decides between equals, which would otherwise be taken in scan order.
-        for (uint32_t i = 0; i < size * size; ++i) energy_[i] = shared::hash_combine(seed, i) >> 16;
+        for (uint32_t i = 0; i < size * size; ++i) energy_[i] = shared::hash_combine(seed, i) >> 28;
         for (uint32_t y = 0; y < size; ++y) update_row(y);
     }
 
