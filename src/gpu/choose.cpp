@@ -56,7 +56,7 @@ size_t choose_best(const std::vector<DeviceCaps>& devices) {
     return best;
 }
 
-size_t choose(const std::vector<DeviceCaps>& devices, std::string_view selector) {
+size_t choose(const std::vector<DeviceCaps>& devices, std::string_view selector, std::string_view where) {
     if (selector.empty() || devices.empty()) return choose_best(devices);
     std::vector<DeviceCaps> matching;
     uint32_t index = 0;
@@ -65,7 +65,7 @@ size_t choose(const std::vector<DeviceCaps>& devices, std::string_view selector)
     for (const DeviceCaps& caps : devices)
         if (is_index ? caps.index == index : lower(caps.name).find(lower(selector)) != std::string::npos) matching.push_back(caps);
     if (matching.empty())
-        throw Error(ErrorCode::Usage, fmt::format("no device is called '{}'; there are: {}", escape_name(selector), list_of(devices)), "--device",
+        throw Error(ErrorCode::Usage, fmt::format("no device is called '{}'; there are: {}", escape_name(selector), list_of(devices)), std::string(where),
                     "give an index or a part of a name");
     const uint32_t chosen = matching[choose_best(matching)].index;
     for (size_t i = 0; i < devices.size(); ++i)

@@ -46,7 +46,7 @@ std::shared_ptr<Device> Device::open(const DeviceRequest& request) {
     std::shared_ptr<Device> device(new Device);
     Impl& impl = device->impl();
     impl.instance = instance;
-    impl.physical = physicals[choose(caps, selector)];
+    impl.physical = physicals[choose(caps, selector, request.selector.empty() ? "PARHELION_DEVICE" : "--device")];
     device->caps_ = impl.physical.caps;
     impl.device = create_device(*instance, impl.physical);
     impl.owned = true;

@@ -118,8 +118,8 @@ struct PhysicalDevice {
 };
 PhysicalDevice inspect(const Instance& instance, VkPhysicalDevice handle, uint32_t index, bool mask_ray_tracing);
 void use_queue_family(const Instance& instance, uint32_t family, PhysicalDevice& out);
-// The device to open. Throws Usage for an unknown selector, MissingFeature if none is usable.
-size_t choose(const std::vector<DeviceCaps>& devices, std::string_view selector);
+// The device to open. Throws Usage for an unknown selector (`where` says who gave it), MissingFeature if none is usable.
+size_t choose(const std::vector<DeviceCaps>& devices, std::string_view selector, std::string_view where = "--device");
 
 // Where memory lies. Mapped memory is always coherent.
 enum class Placement { Device, Upload, Readback, MappedDevice };

@@ -57,7 +57,12 @@ TEST(DeviceChoice, an_unknown_selector_is_a_usage_error_that_lists_the_devices) 
         EXPECT_EQ(error.code, ErrorCode::Usage) << selector;
         EXPECT_NE(error.line.find("GeForce A"), std::string::npos) << error.line;
         EXPECT_NE(error.line.find("llvmpipe"), std::string::npos) << error.line;
+        EXPECT_EQ(error.where, "--device");
     }
+}
+
+TEST(DeviceChoice, a_wrong_selector_is_blamed_on_who_gave_it) {
+    EXPECT_EQ(error_of([&] { gpu::choose(devices(), "arc", "PARHELION_DEVICE"); }).where, "PARHELION_DEVICE");
 }
 
 TEST(DeviceChoice, without_a_usable_device_the_error_names_each_and_everything_it_lacks) {
