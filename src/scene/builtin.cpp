@@ -1,9 +1,10 @@
 #include "scene/builtin.h"
 
-#include <glm/gtc/matrix_transform.hpp>
+#include <cmath>
 
 #include "scene/builtin_scenes.h"
 #include "scene/camera.h"
+#include "scene/median_order.h"
 #include "scene/shapes.h"
 
 namespace parhelion {
@@ -34,6 +35,7 @@ Handle<Camera> add_camera(SceneEdit& edit, std::string name, glm::vec3 from, glm
 Handle<Instance> add_object(SceneEdit& edit, std::string name, Primitive primitive, Handle<Material> material, const Transform& local) {
     const Handle<Node> node = edit.add(Node{.name = name, .local = local});
     primitive.material = material;
+    order_triangles_by_median(primitive);
     Mesh mesh;
     mesh.name = std::move(name);
     mesh.primitives.push_back(std::move(primitive));
@@ -150,6 +152,8 @@ const Row kRows[] = {
     {{"builtin:cornell", "the Cornell box: diffuse walls, two boxes, one lamp"}, builtin::make_cornell},
     {{"builtin:furnace", "a sphere in constant light (albedo, emission, roughness, metallic)"}, builtin::make_furnace},
     {{"builtin:diffuse-box", "a closed room that reflects and emits everywhere (albedo, emission)"}, builtin::make_diffuse_box},
+    {{"builtin:spheres", "spheres of five roughnesses by five metalnesses under a plain sky"}, builtin::make_spheres},
+    {{"builtin:textured", "textures, normal maps, alpha, mirrored and stretched instances, a point light and an emitting panel"}, builtin::make_textured},
 };
 
 }  // namespace
