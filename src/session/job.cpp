@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "base/log.h"
 #include "renderers/reference.h"
+#include "scene/load.h"
 #include "session/film_state.h"
 #include "session/metering.h"
 #include "session/pictures.h"
@@ -104,7 +105,7 @@ private:
 
 void Job::load() {
     const auto begin = Clock::now();
-    loaded_ = load_scene_by_name(options_.scene);
+    loaded_ = load_scene(options_.scene);
     add_light(loaded_.scene, options_);
     camera_ = choose_camera(loaded_.scene, options_, report_.camera);
     report_.scene = options_.scene;

@@ -5,13 +5,9 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "scene/load.h"
 
 namespace parhelion {
-
-LoadedScene load_scene_by_name(const std::string& name) {
-    if (is_builtin(name)) return make_builtin(name);
-    throw Error(ErrorCode::Failed, "no file can be loaded yet", escape_name(name));
-}
 
 bool has_light(const Scene& scene) {
     if (!scene.lights().empty() || !scene.environment().black()) return true;
@@ -40,11 +36,15 @@ Environment overcast_sky() {
 
 void add_light(Scene& scene, const RenderOptions& options) {
     SceneEdit edit;
-    if (!has_light(scene) && options.default_light) {
+    Environment environment = options.environment.empty() ? scene.environment() : load_environment(options.environment);
+    if (environment.black() && options.default_light && !has_light(scene)) {
         log(LogLevel::Info, "the scene has no light: an overcast sky is added (--no-default-light keeps it black, --env F.hdr lights it)");
-        edit.set_environment(overcast_sky());
+        environment = overcast_sky();
     }
-    if (!edit.empty()) scene.apply(std::move(edit));
+    environment.scale *= static_cast<float>(options.env_intensity);
+    environment.rotation += static_cast<float>(options.env_rotation_degrees * std::numbers::pi / 180.0);
+    edit.set_environment(std::move(environment));
+    scene.apply(std::move(edit));
 }
 
 CameraView choose_camera(const Scene& scene, const RenderOptions& options, std::string& description) {

@@ -4,16 +4,12 @@
 
 #include "gpu/device.h"
 #include "renderers/view.h"
-#include "scene/builtin.h"
 #include "scene/camera.h"
 #include "session/render_options.h"
 
 namespace parhelion {
 
-// A built-in scene or a file. Throws Error naming the file.
-LoadedScene load_scene_by_name(const std::string& name);
-
-// Applies --env and, in a scene without any light, a sky (and says so) unless the options forbid it.
+// Applies --env and its factors and, in a scene without any light, a sky (and says so) unless the options forbid it.
 void add_light(Scene& scene, const RenderOptions& options);
 bool has_light(const Scene& scene);
 // The CIE standard overcast sky (Moon and Spencer 1942) over a ground that reflects a fifth.

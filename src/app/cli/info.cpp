@@ -4,17 +4,18 @@
 #include <nlohmann/json.hpp>
 
 #include "app/cli/commands.h"
+#include "scene/load.h"
+#include "session/info_json.h"
 #include "session/results.h"
-#include "session/scene_info.h"
 
 namespace parhelion::cli {
 
 int run_info(const OptionValues& values) {
-    const SceneInfo info = describe_scene(values.positionals.front());
+    const SceneInfo info = describe(load_scene(values.positionals.front()));
     if (values.given("--json"))
-        write_json(values.text("--json"), scene_info_json(info));
+        write_json(values.text("--json"), info_json(info));
     else
-        print_result(scene_info_text(info));
+        print_result(format_info(info));
     return EXIT_SUCCESS;
 }
 
