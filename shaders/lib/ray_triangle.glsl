@@ -47,14 +47,19 @@ SHARED_FN float product_error(float a, float b, float p) {
     return error;
 }
 
-// a.x b.y - a.y b.x with the right sign: rounding is monotonic, so only equal products hide it, and their errors tell. Exactly
-// antisymmetric: both triangles at an edge take the same decision.
+// a.x b.y - a.y b.x, good to a rounding or two even where the products cancel. Exactly antisymmetric.
+SHARED_FN float edge_area_accurate(vec3 a, vec3 b) {
+    SHARED_PRECISE const float left = a.x * b.y, right = a.y * b.x;
+    SHARED_PRECISE const float area = (left - right) + (product_error(a.x, b.y, left) - product_error(a.y, b.x, right));
+    return area;
+}
+
+// The same with the right sign only: rounding is monotonic, so only equal products hide it. Exactly antisymmetric: both
+// triangles at an edge take the same decision.
 SHARED_FN float edge_area(vec3 a, vec3 b) {
     SHARED_PRECISE const float left = a.x * b.y, right = a.y * b.x;
     SHARED_PRECISE const float area = left - right;
-    if (area != 0.0f || left == 0.0f) return area;
-    SHARED_PRECISE const float rest = product_error(a.x, b.y, left) - product_error(a.y, b.x, right);
-    return rest;
+    return area != 0.0f || left == 0.0f ? area : edge_area_accurate(a, b);
 }
 
 SHARED_FN vec3 shear_point(ShearedRay ray, vec3 p) {
@@ -64,14 +69,14 @@ SHARED_FN vec3 shear_point(ShearedRay ray, vec3 p) {
     return sheared;
 }
 
-SHARED_FN ShearedTriangle shear_triangle(ShearedRay ray, vec3 p0, vec3 p1, vec3 p2) {
+SHARED_FN ShearedTriangle shear_triangle(ShearedRay ray, vec3 p0, vec3 p1, vec3 p2, bool accurate) {
     ShearedTriangle s;
     s.a = shear_point(ray, p0);
     s.b = shear_point(ray, p1);
     s.c = shear_point(ray, p2);
-    s.u = edge_area(s.c, s.b);
-    s.v = edge_area(s.a, s.c);
-    s.w = edge_area(s.b, s.a);
+    s.u = accurate ? edge_area_accurate(s.c, s.b) : edge_area(s.c, s.b);
+    s.v = accurate ? edge_area_accurate(s.a, s.c) : edge_area(s.a, s.c);
+    s.w = accurate ? edge_area_accurate(s.b, s.a) : edge_area(s.b, s.a);
     return s;
 }
 
@@ -80,7 +85,7 @@ SHARED_FN bool surrounds_ray(ShearedTriangle s) { return min(s.u, min(s.v, s.w))
 // The ray's line against the triangle; the caller looks at the range of t. Edges count as inside for both of their triangles,
 // so no ray slips between them. A triangle seen exactly edge-on is not hit.
 SHARED_FN bool intersect_watertight(ShearedRay ray, vec3 p0, vec3 p1, vec3 p2, SHARED_INOUT(TriangleHit) hit) {
-    const ShearedTriangle s = shear_triangle(ray, p0, p1, p2);
+    const ShearedTriangle s = shear_triangle(ray, p0, p1, p2, false);
     if (!surrounds_ray(s)) return false;
     SHARED_PRECISE const float area = (s.u + s.v) + s.w;
     if (area == 0.0f) return false;
@@ -110,10 +115,10 @@ SHARED_FN vec3 nearest_on_outline(ShearedTriangle s) {
 
 // t >= 0 and barycentrics of a known hit in world space, the same bits whoever found it. Traversals work in object space or by
 // other arithmetic, so the ray may pass the triangle by some roundings or see it edge-on: then the triangle's point nearest to
-// the ray is taken. Weights are >= 0 and so is 1 - x - y.
+// the ray is taken. Accurate areas keep the weights right for slivers and grazing rays. Weights are >= 0 and so is 1 - x - y.
 SHARED_FN void intersect_canonical(vec3 origin, vec3 direction, vec3 p0, vec3 p1, vec3 p2, SHARED_INOUT(float) t, SHARED_INOUT(vec2) barycentrics) {
     const ShearedRay ray = make_sheared_ray(origin, direction);
-    const ShearedTriangle s = shear_triangle(ray, p0, p1, p2);
+    const ShearedTriangle s = shear_triangle(ray, p0, p1, p2, true);
     SHARED_PRECISE const float area = (s.u + s.v) + s.w;
     SHARED_PRECISE vec3 weights = vec3(s.u, s.v, s.w) / area;
     if (!surrounds_ray(s) || area == 0.0f) weights = nearest_on_outline(s);

@@ -12,23 +12,6 @@ SHARED_ARRAY_16(BvhNodes, BvhNode)
 SHARED_ARRAY_16(BvhTriangles, BvhTriangle)
 SHARED_ARRAY_16(BvhTopItems, BvhTopItem)
 
-struct TraversalRay {
-    vec3 origin_ws;
-    float t_min;
-    vec3 direction_ws;  // of any length but zero: t counts in it
-    float t_max;        // hits have t_min < t < t_max
-    uint mask;          // sees the instances whose mask shares a bit
-    uint alpha_key;     // for accept_hit
-};
-
-struct TraversalHit {
-    uint instance;
-    uint geometry;      // of the mesh
-    uint primitive;     // of the geometry
-    vec2 barycentrics;  // weights of corners 1 and 2
-    float t;
-};
-
 // Whether a candidate counts: alpha and culling. Defined by whoever includes this file (scene/alpha.glsl). Front and back are
 // judged in object space, as glTF wants it: a mirrored instance keeps its front side.
 SHARED_FN bool accept_hit(uint alpha_key, uint instance, uint geometry_of_mesh, uint primitive, vec2 barycentrics, bool front_facing);

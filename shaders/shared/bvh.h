@@ -54,5 +54,22 @@ struct BvhAddresses {
     uint64_t bottom_nodes, bottom_triangles;  // BvhNode[], BvhTriangle[]
 };
 
+struct TraversalRay {
+    vec3 origin_ws;
+    float t_min;
+    vec3 direction_ws;  // of any length but zero: t counts in it
+    float t_max;        // hits have t_min < t < t_max
+    uint mask;          // sees the instances whose mask shares a bit
+    uint alpha_key;     // for alpha tests (accept_hit)
+};
+
+struct TraversalHit {
+    uint instance;
+    uint geometry;      // of the mesh
+    uint primitive;     // of the geometry
+    vec2 barycentrics;  // weights of corners 1 and 2
+    float t;
+};
+
 SHARED_END
 #endif

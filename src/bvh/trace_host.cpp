@@ -1,5 +1,7 @@
 #include "bvh/trace_host.h"
 
+#include "lib/traverse.glsl"
+
 namespace parhelion::shared {
 
 namespace {

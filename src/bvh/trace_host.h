@@ -4,7 +4,6 @@
 #include <functional>
 
 #include "bvh/bvh.h"
-#include "lib/traverse.glsl"
 
 namespace parhelion::bvh {
 

@@ -1,0 +1,286 @@
+// The builder of our own BVH: what every tree must be, whatever it is given.
+#include <cstring>
+#include <limits>
+#include <set>
+#include <tuple>
+
+#ifdef __linux__
+#include <sched.h>
+#endif
+
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "support/bvh_scene.h"
+
+namespace parhelion::bvh::testing {
+namespace {
+
+using shared::BvhNode;
+using shared::kBvhEmpty;
+using shared::kBvhItemMask;
+using shared::kBvhLeaf;
+
+Box child_box(const BvhNode& node, int c) {
+    return {{node.planes[0][c], node.planes[2][c], node.planes[4][c]}, {node.planes[1][c], node.planes[3][c], node.planes[5][c]}};
+}
+bool contains(const Box& outer, const Box& inner) {
+    return glm::all(glm::lessThanEqual(outer.min, inner.min)) && glm::all(glm::greaterThanEqual(outer.max, inner.max));
+}
+
+// Visits a tree below `root`: visit(node index, depth of the node, child slot). Follows every reference once.
+template <class Visit>
+void walk(const std::vector<BvhNode>& nodes, uint32_t root, Visit&& visit) {
+    std::vector<std::pair<uint32_t, uint32_t>> stack{{root, 1u}};
+    while (!stack.empty()) {
+        const auto [index, depth] = stack.back();
+        stack.pop_back();
+        for (int c = 0; c < 4; ++c) {
+            if (nodes.at(index).child[c] == kBvhEmpty) continue;
+            visit(index, depth, c);
+            if ((nodes[index].child[c] & kBvhLeaf) == 0) stack.push_back({nodes[index].child[c], depth + 1});
+        }
+    }
+}
+
+uint32_t depth_of(const std::vector<BvhNode>& nodes, uint32_t root) {
+    uint32_t deepest = 0;
+    walk(nodes, root, [&](uint32_t, uint32_t depth, int) { deepest = std::max(deepest, depth); });
+    return deepest;
+}
+
+// Coverage, containment, leaf sizes and depth of one mesh.
+void check_bottom(const Bottoms& bottoms, uint32_t mesh, const TestMesh& source) {
+    std::multiset<std::tuple<uint32_t, uint32_t>> seen;
+    std::set<uint32_t> nodes_seen{bottoms.roots.at(mesh)};
+    walk(bottoms.nodes, bottoms.roots.at(mesh), [&](uint32_t index, uint32_t depth, int c) {
+        ASSERT_LE(depth, shared::kBvhBottomDepth);
+        const Box box = child_box(bottoms.nodes[index], c);
+        const uint32_t child = bottoms.nodes[index].child[c];
+        if ((child & kBvhLeaf) == 0) {
+            ASSERT_TRUE(nodes_seen.insert(child).second) << "node " << child << " has two parents";
+            for (int g = 0; g < 4; ++g)
+                ASSERT_TRUE(bottoms.nodes[child].child[g] == kBvhEmpty || contains(box, child_box(bottoms.nodes[child], g)));
+            return;
+        }
+        uint32_t i = child & kBvhItemMask, count = 0;
+        for (uint32_t rest = 1; rest != 0; ++i) {
+            const shared::BvhTriangle& t = bottoms.triangles.at(i);
+            rest = t.rest;
+            ASSERT_LE(++count, shared::kBvhMaxLeaf);
+            const TestGeometry& geometry = source.at(t.geometry);
+            const glm::uvec3 index3 = geometry.triangles.at(t.primitive);
+            ASSERT_TRUE(t.p0 == geometry.positions[index3.x] && t.p1 == geometry.positions[index3.y] && t.p2 == geometry.positions[index3.z]);
+            Box triangle;
+            triangle.add(t.p0), triangle.add(t.p1), triangle.add(t.p2);
+            ASSERT_TRUE(contains(box, triangle));
+            seen.insert({t.geometry, t.primitive});
+        }
+    });
+    size_t usable = 0;
+    for (uint32_t g = 0; g < source.size(); ++g)
+        for (uint32_t t = 0; t < source[g].triangles.size(); ++t) {
+            const glm::uvec3 index = source[g].triangles[t];
+            bool finite = true;
+            for (int k = 0; k < 3; ++k) finite &= glm::all(glm::lessThanEqual(glm::abs(source[g].positions[index[k]]), glm::vec3(1e18f)));
+            ASSERT_EQ(seen.count({g, t}), finite ? 1u : 0u) << "triangle " << t << " of geometry " << g;
+            usable += finite;
+        }
+    EXPECT_EQ(seen.size(), usable);
+}
+
+uint32_t add(Bottoms& bottoms, const TestMesh& mesh) {
+    std::vector<BottomGeometry> geometries;
+    for (const TestGeometry& geometry : mesh) geometries.push_back({geometry.positions, geometry.triangles});
+    return add_bottom(bottoms, geometries);
+}
+
+template <class T>
+bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+TEST(BvhBuild, every_triangle_is_in_one_leaf_and_boxes_contain_what_is_below) {
+    Random random(1);
+    Bottoms bottoms;
+    std::vector<TestMesh> meshes;
+    for (const uint32_t count : {0u, 1u, 2u, 3u, 4u, 5u, 6u, 17u, 100u, 1000u, 20000u, 70000u})
+        meshes.push_back({make_soup(random, count / 3, 10.0f, 1.0f), {}, make_soup(random, count - count / 3, 3.0f, 0.2f)});
+    meshes.push_back({make_icosphere(5, 2.0f)});
+    for (const TestMesh& mesh : meshes) add(bottoms, mesh);
+    ASSERT_EQ(bottoms.roots.size(), meshes.size());
+    for (uint32_t m = 0; m < meshes.size(); ++m) {
+        SCOPED_TRACE(m);
+        check_bottom(bottoms, m, meshes[m]);
+    }
+    EXPECT_LT(bottoms.nodes.size() * sizeof(BvhNode) + bottoms.triangles.size() * sizeof(shared::BvhTriangle), bottoms.triangles.size() * 96);
+}
+
+TEST(BvhBuild, degenerate_meshes_still_make_proper_trees) {
+    const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+    Random random(2);
+    std::vector<TestMesh> meshes;
+    meshes.push_back({});
+    meshes.push_back({{}, {}});
+    TestGeometry same, point, line, shared_center, wild = make_soup(random, 50, 1.0f, 0.1f), huge, far = make_soup(random, 500, 1.0f, 0.1f);
+    for (int i = 0; i < 1000; ++i) {
+        same.add({1, 2, 3}, {2, 2, 3}, {1, 3, 3});
+        point.add({5, 5, 5}, {5, 5, 5}, {5, 5, 5});
+        line.add({float(i), 0, 0}, {float(i) + 1, 0, 0}, {float(i) + 0.5f, 0, 0});
+        const float s = float(i + 1);
+        shared_center.add({-s, -s, 0}, {s, s, 0}, {s, -s, 0});
+        huge.add(random.in_cube(9e17f), random.in_cube(9e17f), random.in_cube(9e17f));
+    }
+    wild.add({nan, 0, 0}, {1, 0, 0}, {0, 1, 0});
+    wild.add({0, infinity, 0}, {1, 0, 0}, {0, 1, 0});
+    wild.add({0, 0, 0}, {1, 0, -3e38f}, {0, 1, 0});
+    for (glm::vec3& p : far.positions) p += glm::vec3(1e6f, -1e6f, 1e6f);
+    for (TestGeometry* g : {&same, &point, &line, &shared_center, &wild, &huge, &far}) meshes.push_back({*g});
+    Bottoms bottoms;
+    for (const TestMesh& mesh : meshes) add(bottoms, mesh);
+    for (uint32_t m = 0; m < meshes.size(); ++m) {
+        SCOPED_TRACE(m);
+        check_bottom(bottoms, m, meshes[m]);
+    }
+    TestGeometry broken{{{0, 0, 0}}, {{0, 0, 1}}};
+    EXPECT_THROW(add(bottoms, {broken}), std::exception);
+}
+
+// Boxes that halve in size towards the origin make the surface area heuristic cut off one a level.
+TEST(BvhBuild, no_input_makes_a_tree_deeper_than_the_bound) {
+    std::vector<Box> boxes;
+    for (int i = 0; i < 120; ++i)
+        for (int copy = 0; copy < 7; ++copy) {
+            Box box;
+            box.add(glm::vec3(std::ldexp(1.0f, i - 60)));
+            box.add(glm::vec3(std::ldexp(1.5f, i - 60)));
+            boxes.push_back(box);
+        }
+    uint32_t deepest = 0;
+    for (uint32_t depth = 4; depth <= 18; ++depth) {
+        const WideTree tree = build_wide_tree(boxes, 4, depth);
+        EXPECT_LE(depth_of(tree.nodes, 0), depth);
+        EXPECT_EQ(tree.order.size(), boxes.size());
+        deepest = std::max(deepest, depth_of(tree.nodes, 0));
+    }
+    EXPECT_GT(deepest, 12u) << "the input is too tame to test the bound";
+    // Filled to the brim: nothing but halving fits.
+    for (uint32_t depth = 1; depth <= 5; ++depth)
+        for (const uint32_t leaf : {1u, 4u}) {
+            const size_t brim = size_t(leaf) << (2 * depth);
+            if (brim > boxes.size()) boxes.resize(brim, boxes.back());
+            EXPECT_EQ(depth_of(build_wide_tree(std::span(boxes).first(brim), leaf, depth).nodes, 0), depth);
+            boxes.resize(brim + 1, boxes.back());
+            EXPECT_ANY_THROW(build_wide_tree(boxes, leaf, depth));
+        }
+}
+
+TEST(BvhBuild, the_surface_area_heuristic_beats_halving) {
+    Random random(3);
+    const TestGeometry dense = make_soup(random, 8192, 0.1f, 0.01f), sparse = make_soup(random, 8192, 10.0f, 0.1f);
+    std::vector<Box> boxes;
+    for (const TestGeometry* geometry : {&dense, &sparse})
+        for (size_t i = 0; i < geometry->positions.size(); i += 3) {
+            Box box;
+            for (size_t k = 0; k < 3; ++k) box.add(geometry->positions[i + k]);
+            boxes.push_back(box);
+        }
+    // Expected box and triangle tests of a ray, but for a common factor. At depth 6 only halving fits.
+    const auto cost = [&](uint32_t depth) {
+        const WideTree tree = build_wide_tree(boxes, 4, depth);
+        double sum = 0;
+        walk(tree.nodes, 0, [&](uint32_t index, uint32_t, int c) {
+            const uint32_t child = tree.nodes[index].child[c];
+            sum += double(child_box(tree.nodes[index], c).half_area()) * ((child & kBvhLeaf) != 0 ? tree.rest[child & kBvhItemMask] + 1.0 : 1.0);
+        });
+        return sum;
+    };
+    EXPECT_LT(cost(18), 0.75 * cost(6));
+}
+
+TEST(BvhBuild, the_number_of_threads_does_not_show) {
+    Random random(4);
+    // More than two chunks in the first ranges, so that they are split by all threads.
+    const TestMesh mesh{make_soup(random, 90000, 10.0f, 0.3f)};
+    Bottoms many, again, one;
+    add(many, mesh);
+    add(again, mesh);
+#ifdef __linux__
+    cpu_set_t before, single;
+    ASSERT_EQ(sched_getaffinity(0, sizeof(before), &before), 0);
+    CPU_ZERO(&single);
+    for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu)
+        if (CPU_ISSET(cpu, &before)) {
+            CPU_SET(cpu, &single);
+            break;
+        }
+    ASSERT_EQ(sched_setaffinity(0, sizeof(single), &single), 0);
+    add(one, mesh);
+    sched_setaffinity(0, sizeof(before), &before);
+#else
+    add(one, mesh);
+#endif
+    EXPECT_TRUE(same_bytes(many.nodes, again.nodes) && same_bytes(many.triangles, again.triangles));
+    EXPECT_TRUE(same_bytes(many.nodes, one.nodes) && same_bytes(many.triangles, one.triangles));
+}
+
+TEST(BvhBuild, the_top_level_holds_every_instance_that_can_be_hit) {
+    Random random(5);
+    Bottoms bottoms;
+    const uint32_t empty = add(bottoms, {}), sphere = add(bottoms, {make_icosphere(1, 1.0f)});
+    std::vector<TopItem> items;
+    glm::mat4 flat(1.0f), broken(1.0f);
+    flat[1] = glm::vec4(0.0f);
+    broken[3].x = std::numeric_limits<float>::quiet_NaN();
+    for (uint32_t i = 0; i < 1000; ++i) {
+        glm::mat4 place(1.0f);
+        place[3] = glm::vec4(random.in_cube(50.0f), 1.0f);
+        const bool hittable = i % 10 != 0;
+        items.push_back(make_top_item(bottoms, i % 30 == 0 ? empty : sphere, hittable ? place : i % 20 == 0 ? flat : i % 30 == 0 ? place : broken, i));
+        EXPECT_EQ(items.back().box_ws.empty(), !hittable) << i;
+    }
+    const Top top = build_top(items);
+    EXPECT_EQ(top.items.size(), 900u);
+    std::set<uint32_t> seen;
+    walk(top.nodes, 0, [&](uint32_t index, uint32_t depth, int c) {
+        EXPECT_LE(depth, shared::kBvhTopDepth);
+        const uint32_t child = top.nodes[index].child[c];
+        const Box box = child_box(top.nodes[index], c);
+        if ((child & kBvhLeaf) != 0) {
+            const uint32_t instance = top.items.at(child & kBvhItemMask).instance;
+            EXPECT_TRUE(seen.insert(instance).second);
+            EXPECT_TRUE(contains(box, items[instance].box_ws));
+        } else {
+            for (int g = 0; g < 4; ++g)
+                EXPECT_TRUE(top.nodes[child].child[g] == kBvhEmpty || contains(box, child_box(top.nodes[child], g)));
+        }
+    });
+    EXPECT_EQ(seen.size(), 900u);
+    const Top nothing = build_top({});
+    ASSERT_EQ(nothing.nodes.size(), 1u);
+    for (int c = 0; c < 4; ++c) EXPECT_EQ(nothing.nodes[0].child[c], kBvhEmpty);
+}
+
+TEST(BvhBuild, an_instance_lies_within_its_world_box) {
+    Random random(6);
+    Bottoms bottoms;
+    const TestGeometry soup = make_soup(random, 300, 2.0f, 0.5f);
+    add(bottoms, {soup});
+    for (int i = 0; i < 200; ++i) {
+        glm::mat4 m(1.0f);
+        for (int c = 0; c < 3; ++c) m[c] = glm::vec4(random.in_cube(std::pow(10.0f, random.range(-3.0f, 3.0f))), 0.0f);
+        m[3] = glm::vec4(random.in_cube(i % 2 == 0 ? 10.0f : 1e6f), 1.0f);
+        const Box box = make_top_item(bottoms, 0, m, 0).box_ws;
+        glm::dvec3 size(0.0);
+        for (const glm::vec3& p : soup.positions) {
+            const glm::dvec4 w = glm::dmat4(m) * glm::dvec4(p, 1.0);
+            ASSERT_TRUE(glm::all(glm::lessThanEqual(glm::dvec3(box.min), glm::dvec3(w))) && glm::all(glm::greaterThanEqual(glm::dvec3(box.max), glm::dvec3(w))));
+            size = glm::max(size, glm::abs(glm::dvec3(w)));
+        }
+        // And the box is not wildly larger than the corners of its mesh's box.
+        EXPECT_LE(box.max.x - box.min.x, 1.2 * (std::abs(m[0].x) + std::abs(m[1].x) + std::abs(m[2].x)) * 5.0 + 1e-2 * size.x);
+    }
+}
+
+}  // namespace
+}  // namespace parhelion::bvh::testing
