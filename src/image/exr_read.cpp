@@ -59,27 +59,64 @@ uint64_t channel_count(const Imf::Header& header) {
     return count;
 }
 
+// A 32-bit number of the file; EXR is little-endian.
+uint32_t read_number(MemoryInput& input) {
+    unsigned char bytes[4];
+    input.read(reinterpret_cast<char*>(bytes), sizeof(bytes));
+    return bytes[0] | (uint32_t{bytes[1]} << 8) | (uint32_t{bytes[2]} << 16) | (uint32_t{bytes[3]} << 24);
+}
+
+std::string read_name(MemoryInput& input) {
+    std::string name;
+    for (char c = 0; name.size() < 256; name += c) {
+        input.read(&c, 1);
+        if (c == 0) return name;
+    }
+    throw Iex::InputExc("a name in the header has no end");
+}
+
+// Walks over one header: OpenEXR 3.1 allocates what an attribute's size says before it looks whether the file holds as much.
+void check_attribute_sizes(MemoryInput& input, uint64_t file_size) {
+    while (!read_name(input).empty()) {
+        const std::string type = read_name(input);
+        const uint64_t size = read_number(input), begin = input.tellg(), end = begin + size;
+        if (end > file_size) throw Iex::InputExc("an attribute in the header is larger than the file");
+        if (type == "stringvector")
+            while (input.tellg() < end) {
+                const uint64_t length = read_number(input);
+                if (length > file_size) throw Iex::InputExc("an attribute in the header is larger than the file");
+                input.seekg(input.tellg() + length);
+            }
+        input.seekg(end);
+    }
+}
+
+void check_header(const Imf::Header& header, const DecodeLimits& limits, std::string_view where) {
+    const Size size = data_size(header);
+    check_limits(size.width, size.height, sizeof(float) * std::max<uint64_t>(1, channel_count(header)), limits, where);
+    if (header.hasTileDescription()) check_limits(header.tileDescription().xSize, header.tileDescription().ySize, 1, limits, where);
+    for (auto c = header.channels().begin(); c != header.channels().end(); ++c)
+        if (c.channel().xSampling != 1 || c.channel().ySampling != 1)
+            refuse_image(where, "is an EXR with subsampled channels, which are not supported", "save it as RGB");
+}
+
 // All parts' headers, for OpenEXR allocates tables for each.
 void check_headers(std::span<const std::byte> bytes, const DecodeLimits& limits, std::string_view where) {
     MemoryInput input(bytes);
-    char start[8];
-    input.read(start, sizeof(start));
-    int version = 0;
-    for (int i = 0; i < 4; ++i) version |= static_cast<unsigned char>(start[4 + i]) << (8 * i);
+    read_number(input);  // the magic, checked by the reader
+    int version = static_cast<int>(read_number(input));
     if (Imf::getVersion(version) != Imf::EXR_VERSION || !Imf::supportsFlags(Imf::getFlags(version)))
         refuse_image(where, "is an OpenEXR file of a version that is not supported");
     if (Imf::isNonImage(version)) refuse_image(where, "is an EXR with deep data, which is not supported");
     for (bool more = true; more;) {
+        const uint64_t begin = input.tellg();
+        check_attribute_sizes(input, bytes.size());
+        input.seekg(begin);
         Imf::Header header;
         header.readFrom(input, version);
-        const Size size = data_size(header);
-        check_limits(size.width, size.height, sizeof(float) * std::max<uint64_t>(1, channel_count(header)), limits, where);
-        if (header.hasTileDescription()) check_limits(header.tileDescription().xSize, header.tileDescription().ySize, 1, limits, where);
-        for (auto c = header.channels().begin(); c != header.channels().end(); ++c)
-            if (c.channel().xSampling != 1 || c.channel().ySampling != 1)
-                refuse_image(where, "is an EXR with subsampled channels, which are not supported", "save it as RGB");
-        // In a multi-part file headers end with an empty one.
-        if (!Imf::isMultiPart(version) || input.tellg() >= bytes.size()) break;
+        check_header(header, limits, where);
+        if (!Imf::isMultiPart(version)) break;
+        // In a multi-part file the headers end with an empty one.
         char next = 0;
         input.read(&next, 1);
         more = next != 0;
@@ -103,7 +140,8 @@ Opened read_channels(std::span<const std::byte> bytes, const DecodeLimits& limit
     const Size size = data_size(header);
     Opened out{.width = static_cast<uint32_t>(size.width), .height = static_cast<uint32_t>(size.height)};
     for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
-        if (type == Imf::UINT && c.channel().type != Imf::UINT) refuse_image(where, fmt::format("its channel {} is not of type UINT", escape_name(c.name())));
+        if (type == Imf::UINT && c.channel().type != Imf::UINT)
+            refuse_image(where, fmt::format("its channel {} is not of type UINT", escape_name(c.name())));
         out.channels.emplace_back(c.name());
     }
     if (out.channels.empty()) refuse_image(where, "is an EXR without channels");

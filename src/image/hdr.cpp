@@ -83,12 +83,13 @@ std::string read_header(Input& input, std::string_view where) {
     input.next_line();  // the magic
     for (std::string line = input.next_line(); !line.empty(); line = input.next_line()) {
         if (line.starts_with("FORMAT=") && line != "FORMAT=32-bit_rle_rgbe")
-            refuse_image(where, fmt::format("is a Radiance HDR of the {}, which is not supported", escape_name(line)), "convert it to 32-bit_rle_rgbe");
+            refuse_image(where, fmt::format("is a Radiance HDR with {}, which is not supported", escape_name(line)), "convert it to 32-bit_rle_rgbe");
+        if (!line.starts_with("EXPOSURE=")) continue;
+        const size_t digits = std::min(line.find_first_not_of(' ', 9), line.size());
         double value = 0;
-        if (line.starts_with("EXPOSURE=") && std::from_chars(line.data() + line.find_first_not_of(' ', 9), line.data() + line.size(), value).ec == std::errc()) {
-            product *= value;
-            exposure = fmt::format("{}", product);
-        }
+        if (std::from_chars(line.data() + digits, line.data() + line.size(), value).ec != std::errc()) continue;
+        product *= value;
+        exposure = fmt::format("{}", product);
     }
     return exposure;
 }

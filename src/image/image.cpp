@@ -41,7 +41,8 @@ float linear_from_srgb(float encoded) { return encoded <= 0.04045f ? encoded / 1
 ImageF linear_image(const Texture8& texture, bool with_alpha) {
     std::array<float, 256> linear{};
     for (size_t i = 0; i < linear.size(); ++i) linear[i] = linear_from_srgb(static_cast<float>(i) / 255.0f);
-    ImageF image = make_image(texture.width, texture.height, with_alpha ? std::vector<std::string>{"R", "G", "B", "A"} : std::vector<std::string>{"R", "G", "B"});
+    ImageF image = make_image(texture.width, texture.height, {"R", "G", "B"});
+    if (with_alpha) image.add_channel("A");
     const size_t pixels = image.pixel_count();
     for (size_t c = 0; c < image.channels.size(); ++c)
         for (size_t p = 0; p < pixels; ++p) {
