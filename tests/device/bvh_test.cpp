@@ -1,0 +1,89 @@
+// The traversal of our own BVH on the device against the same traversal on the host.
+#include <cmath>
+
+#include "support/bvh_scene.h"
+#include "support/gpu_helpers.h"
+
+namespace parhelion::bvh::testing {
+namespace {
+
+using namespace parhelion::testing;
+
+class BvhDevice : public GpuTest {};
+
+constexpr uint32_t kWidth = 256, kHeight = 64;
+
+struct Push {
+    shared::BvhAddresses bvh;
+    uint64_t rays, hits;
+    uint32_t width, any;
+};
+
+std::vector<shared::TraversalHit> trace(const gpu::DevicePtr& device, const TestScene& scene, const std::vector<shared::TraversalRay>& rays, bool any) {
+    const gpu::Buffer top_nodes = mapped_buffer(device, scene.top.nodes), top_items = mapped_buffer(device, scene.top.items),
+                      nodes = mapped_buffer(device, scene.bottoms.nodes), triangles = mapped_buffer(device, scene.bottoms.triangles), ray_buffer = mapped_buffer(device, rays),
+                      hits(device, "test/hits", rays.size() * sizeof(shared::TraversalHit), gpu::MemoryKind::Readback);
+    gpu::CommandList commands(device);
+    commands.bind(gpu::Program::get(device, test_shader_pack(), "device/bvh_trace", "", false), nullptr, {},
+                  bytes_of(Push{{top_nodes.address(), top_items.address(), nodes.address(), triangles.address()}, ray_buffer.address(), hits.address(), kWidth, any}));
+    commands.dispatch(kWidth / 8, kHeight / 4, 1);
+    EXPECT_TRUE(gpu::wait(device, gpu::submit(device, std::move(commands))));
+    const auto out = hits.mapped_as<shared::TraversalHit>();
+    return {out.begin(), out.end()};
+}
+
+TEST_F(BvhDevice, the_device_finds_what_the_host_finds) {
+    Random random(1);
+    std::vector<TestInstance> instances;
+    for (uint32_t i = 0; i < 40; ++i) {
+        glm::mat4 m(1.0f);
+        for (int c = 0; c < 3; ++c) m[c] = glm::vec4(random.in_cube(0.8f), 0.0f);
+        m[3] = glm::vec4(random.in_cube(3.0f), 1.0f);
+        instances.push_back({.mesh = i % 2, .world_from_object = m, .mask = i % 3 == 0 ? 1u : 2u});
+    }
+    const TestScene scene({{make_soup(random, 2000, 2.0f, 0.4f), make_soup(random, 300, 1.0f, 1.0f)}, {make_icosphere(3, 1.0f)}}, std::move(instances));
+    std::vector<shared::TraversalRay> rays;
+    for (uint32_t i = 0; i < kWidth * kHeight; ++i) {
+        const glm::vec3 origin = random.in_cube(5.0f);
+        rays.push_back(make_ray(origin, i % 16 == 0 ? glm::vec3(0, -1, 0) : random.in_cube(2.0f) - origin, 0.0f, i % 5 == 0 ? 0.7f : 3.4e38f, 1u + i % 3));
+        rays.back().alpha_key = i % 2;
+    }
+    const std::vector<shared::TraversalHit> closest = trace(device(), scene, rays, false), any = trace(device(), scene, rays, true);
+    const AcceptHit filter = [](uint32_t instance, uint32_t geometry, uint32_t primitive, glm::vec2, bool front) { return (instance + geometry + primitive + front) % 3 != 0; };
+    int hits = 0, other_triangle = 0;
+    for (uint32_t i = 0; i < rays.size(); ++i) {
+        shared::TraversalHit expected{};
+        const bool found = trace_closest_host(scene.bottoms, scene.top, rays[i], expected, rays[i].alpha_key != 0 ? filter : AcceptHit{});
+        EXPECT_EQ(any[i].t > 0.0f, closest[i].t > 0.0f) << i;
+        hits += found;
+        const shared::TraversalHit& hit = closest[i];
+        if (!found && hit.t < 0.0f) continue;
+        // A division may differ in its last bits, and with it a ray that just touches an edge.
+        other_triangle += !found || hit.t < 0.0f || hit.instance != expected.instance || hit.geometry != expected.geometry || hit.primitive != expected.primitive;
+        EXPECT_NEAR(hit.t, expected.t, 1e-4f * expected.t) << i;
+    }
+    EXPECT_GT(hits, 8000);
+    EXPECT_LE(other_triangle, 3);
+}
+
+TEST_F(BvhDevice, no_ray_slips_out_of_a_closed_sphere) {
+    Random random(2);
+    const TestGeometry sphere = make_icosphere(4, 1.0f);
+    glm::mat4 m(1.0f);
+    for (int c = 0; c < 3; ++c) m[c] = glm::vec4(random.in_cube(2.0f), 0.0f);
+    m[3] = glm::vec4(random.in_cube(1000.0f), 1.0f);
+    const TestScene scene({{sphere}}, {{.world_from_object = m}});
+    std::vector<shared::TraversalRay> rays;
+    for (uint32_t i = 0; i < kWidth * kHeight; ++i) {
+        const glm::uvec3 t = sphere.triangles[random.below(static_cast<uint32_t>(sphere.triangles.size()))];
+        const glm::vec3 a = sphere.positions[t.x], b = sphere.positions[t.y];
+        const glm::vec3 target = i % 3 == 0 ? a : a + random.unit() * (b - a), origin(m * glm::vec4(random.in_cube(0.3f), 1.0f));
+        rays.push_back(make_ray(origin, glm::vec3(m * glm::vec4(target, 1.0f)) - origin));
+    }
+    int leaks = 0;
+    for (const shared::TraversalHit& hit : trace(device(), scene, rays, false)) leaks += hit.t < 0.0f;
+    EXPECT_EQ(leaks, 0);
+}
+
+}  // namespace
+}  // namespace parhelion::bvh::testing
