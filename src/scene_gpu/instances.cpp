@@ -19,8 +19,8 @@ gpu::TlasInstance to_tlas(const shared::Instance& row, const MeshOnDevice& mesh,
     for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 4; ++c) out.world_from_object[4 * r + c] = rows[r][c];
     out.custom_index_and_mask = index | row.mask << 24;
-    // Vulkan's front side is clockwise unless flipped; glTF's is counter-clockwise. Both judge in object space.
-    const uint32_t flags = gpu::kInstanceFlipFacing | (mesh.cull_by_flag ? 0u : gpu::kInstanceDisableCulling);
+    // Vulkan and glTF agree on the front side (counter-clockwise, seen right-handed) and judge it in object space.
+    const uint32_t flags = mesh.cull_by_flag ? 0u : gpu::kInstanceDisableCulling;
     out.sbt_offset_and_flags = flags << 24;
     out.blas_address = mesh.blas.address();
     return out;

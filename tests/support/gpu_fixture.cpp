@@ -56,7 +56,9 @@ void GpuTest::SetUp() {
 }
 
 void GpuTest::TearDown() {
-    if (shared_device()) EXPECT_EQ(shared_device()->validation_message_count(), messages_before_) << "the validation layers were not silent";
+    if (shared_device()) {
+        EXPECT_EQ(shared_device()->validation_message_count(), messages_before_) << "the validation layers were not silent";
+    }
 }
 
 void GpuTest::require_way(gpu::TraceWay way) {
