@@ -128,6 +128,11 @@ TEST(SamplerConvergence, owen_and_cranley_converge_no_slower_and_on_smooth_integ
         }
 }
 
+// Scrambling every bit gains another half power over a mere random shift (Owen 1997): N^-1.5 against N^-1, in the limit.
+TEST(SamplerConvergence, owen_gains_the_half_power_of_full_scrambling) {
+    for (const Integrand* f : {&kWaves, &kBump}) EXPECT_LE(slope(error_curve(*f, shared::kSamplerOwen)), -1.3) << f->name;
+}
+
 TEST(SamplerConvergence, owen_and_cranley_are_never_worse_than_pcg) {
     for (const Integrand* f : kAll)
         for (const uint32_t kind : {shared::kSamplerOwen, shared::kSamplerCranley})
