@@ -40,7 +40,7 @@ need_program() { # the built program in $program; it is built if it is not there
     program=$(program_path parhelion release)
     if [[ -x $program ]]; then load_env; else
         ensure_deps
-        configure_and_build release
+        configure_and_build release parhelion
     fi
 }
 
@@ -54,7 +54,7 @@ cmd_build() {
 
 cmd_render() {
     ensure_deps
-    configure_and_build release
+    configure_and_build release parhelion
     program=$(program_path parhelion release)
     if [[ $# -gt 0 ]]; then
         "$program" render "$@"
@@ -74,13 +74,13 @@ cmd_run() {
 
 cmd_bench() {
     ensure_deps
-    configure_and_build release
+    configure_and_build release parhelion
     exec "$(program_path parhelion release)" bench "$@"
 }
 
 cmd_view() {
     compgen -G "$root/src/app/view/*.cpp" >/dev/null || die "this tree has no viewer yet (src/app/view)"
     ensure_deps
-    configure_and_build release
+    configure_and_build release parhelion-view
     exec "$(program_path parhelion-view release)" "$@"
 }

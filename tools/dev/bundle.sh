@@ -71,7 +71,7 @@ cmd_bundle() {
     [[ $(uname -m) == x86_64 ]] || die "bundle: this machine is $(uname -m), bundles are for x86_64"
     ensure_deps
     have patchelf || apt_install patchelf
-    configure_and_build release
+    if $with_tests; then configure_and_build release; else configure_and_build release parhelion; fi
     version=$(sed -nE 's/^CMAKE_PROJECT_VERSION:STATIC=(.*)$/\1/p' "$build_dir/release/CMakeCache.txt")
     name=parhelion-$version-linux-x86_64
     folder=$build_dir/bundle/$name
