@@ -13,8 +13,6 @@ if(PARHELION_BUILD_TESTS)
 endif()
 find_program(SPIRV_VAL spirv-val REQUIRED)
 
-# volk has no CMake package: its header and source lie in the system include folder.
-find_path(VOLK_INCLUDE_DIR volk.h REQUIRED)
 find_path(VMA_INCLUDE_DIR vk_mem_alloc.h HINTS ${PARHELION_DEPS_ROOT}/usr/include REQUIRED)
 find_path(SPIRV_CROSS_INCLUDE_DIR spirv_cross_c.h PATH_SUFFIXES spirv_cross REQUIRED)
 find_library(SPIRV_CROSS_LIBRARY spirv-cross-c-shared REQUIRED)

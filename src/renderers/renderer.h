@@ -1,0 +1,43 @@
+#pragma once
+// The reference renderer for a host program's own loop: it only records into the host's command buffer, never submits or waits,
+// and draws into the host's image. See examples/embed and docs/embedding.md.
+#include "passes/post/post.h"
+#include "renderers/reference.h"
+
+namespace parhelion {
+
+struct RendererOptions {
+    gpu::TraceWay way = gpu::TraceWay::Compute;
+    SceneGpuOptions scene;
+    uint32_t samples_per_frame = 1;  // at most 64
+    float exposure_ev100 = 0.0f;
+    passes::ToneCurve curve = passes::ToneCurve::Agx;
+};
+
+class Renderer {
+public:
+    Renderer(gpu::DevicePtr device, const RendererOptions& options);
+
+    // The scene changed (the result of Scene::apply or Scene::begin_frame): what was accumulated starts anew. `scene` must
+    // outlive the next record().
+    void sync(const Scene& scene, const ChangeSet& changes);
+
+    // Records one frame: brings the scene up to date, adds samples to the view's film and writes display values to `ldr` (rgba8,
+    // the view's size, in GENERAL; written by compute shaders). Returns the frame's serial.
+    uint64_t record(VkCommandBuffer commands, View& view, const gpu::Image& ldr);
+
+    // The GPU has finished this frame and those before it: what they used may go.
+    void retire(uint64_t serial) { frame_.retire(serial); }
+
+    uint64_t accumulated_samples() const { return samples_; }
+    std::string listing() const { return frame_.listing(); }
+
+private:
+    gpu::DevicePtr device_;
+    RendererOptions options_;
+    Frame frame_;
+    SceneGpu scene_;
+    uint64_t samples_ = 0;
+};
+
+}  // namespace parhelion
