@@ -23,8 +23,8 @@ struct Suite {
 
 const std::vector<Suite>& suites() {
     static const std::vector<Suite> all = {
-        {"quick", {"builtin:cornell", "builtin:furnace"}, {320, 180}, 16},
-        {"full", {"builtin:cornell", "builtin:furnace", "builtin:diffuse-box"}, {1280, 720}, 64},
+        {"quick", {"builtin:cornell", "builtin:spheres"}, {320, 180}, 16},
+        {"full", {"builtin:cornell", "builtin:diffuse-box", "builtin:spheres", "builtin:textured"}, {1280, 720}, 64},
     };
     return all;
 }

@@ -112,7 +112,8 @@ void Job::load() {
     report_.triangles = count_triangles(loaded_.scene);
     report_.instances = loaded_.scene.instances().size();
     report_.load_seconds = seconds_since(begin);
-    log(LogLevel::Info, "scene {}: {} triangles in {} instances, camera {}", escape_name(report_.scene), report_.triangles, report_.instances, report_.camera);
+    log(LogLevel::Info, "scene {}: {} triangles in {} instances, camera {}", escape_name(report_.scene), report_.triangles, report_.instances,
+        escape_name(report_.camera));
 }
 
 void Job::open_device() {

@@ -55,14 +55,14 @@ CameraView choose_camera(const Scene& scene, const RenderOptions& options, std::
     if (options.look_from) {
         const glm::vec3 target = options.look_at ? vec(*options.look_at) : bounds.empty() ? glm::vec3(0.0f) : bounds.center();
         view = look_at(vec(*options.look_from), target, 0.8f);
-        description = "--look-from";
+        description = "(--look-from)";
     } else if (!options.camera.empty() || !scene.cameras().empty()) {
         const Handle<Camera> handle = options.camera.empty() ? (*scene.cameras().begin()).handle : find_camera(scene, options.camera);
         view = view_of(scene.get(handle), aspect);
-        description = fmt::format("'{}'", escape_name(scene.get(handle).name));
+        description = scene.get(handle).name;
     } else {
         view = framing_view(bounds, aspect);
-        description = "one that frames the scene";
+        description = "(frames the scene)";
     }
     if (options.fov_degrees) {
         if (view.orthographic) throw Error(ErrorCode::Usage, "this camera is orthographic", "--fov", "leave it out or choose another camera");

@@ -51,13 +51,13 @@ int run_command(const CommandSpec& spec, const std::vector<std::string>& words) 
     return dispatch(values);
 }
 
-// Returns the exit code. A JSON target that cannot be written adds a second line and changes nothing else.
+// Returns the exit code. A JSON target that cannot be written adds a second line, unless it is what the error is about.
 int report(const Error& error, const std::string& json_target) {
     log_line(LogLevel::Error, error.line);
     try {
         write_json(json_target, error_json(error));
     } catch (const Error& second) {
-        log_line(LogLevel::Error, second.line);
+        if (second.where != error.where) log_line(LogLevel::Error, second.line);
     }
     return static_cast<int>(error.code);
 }
