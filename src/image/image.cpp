@@ -43,6 +43,7 @@ ImageF linear_image(const Texture8& texture, bool with_alpha) {
     for (size_t i = 0; i < linear.size(); ++i) linear[i] = linear_from_srgb(static_cast<float>(i) / 255.0f);
     ImageF image = make_image(texture.width, texture.height, {"R", "G", "B"});
     if (with_alpha) image.add_channel("A");
+    image.display_referred = true;
     const size_t pixels = image.pixel_count();
     for (size_t c = 0; c < image.channels.size(); ++c)
         for (size_t p = 0; p < pixels; ++p) {

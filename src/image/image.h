@@ -33,6 +33,7 @@ struct ImageF {
     std::vector<std::string> channels = {};
     std::vector<float> data = {};  // [channel * pixel_count + y * width + x]
     Attributes attributes = {};
+    bool display_referred = false;  // from an eight-bit sRGB file: 1.0 is the display's white, not a radiance
 
     size_t pixel_count() const { return static_cast<size_t>(width) * height; }
     std::optional<size_t> find_channel(std::string_view name) const;
