@@ -27,7 +27,6 @@ bool accept_hit(uint alpha_key, uint instance, uint geometry_of_mesh, uint primi
     if (mode == kAlphaOpaque) return true;
     const float alpha = fetch_alpha(geometry, primitive, barycentrics);
     if (mode == kAlphaMask) return alpha >= scene_material(geometry.material).alpha_cutoff;
-    const uint key = pcg_hash(alpha_key ^ pcg_hash(instance ^ pcg_hash(geometry_of_mesh ^ pcg_hash(primitive))));
-    return uint_to_unit_float(key) < alpha;
+    return hash_alpha(alpha_key, instance, geometry_of_mesh, primitive) < alpha;
 }
 #endif

@@ -137,22 +137,22 @@ bool survive_roulette(inout PathState path, float u) {
     return true;
 }
 
-uint alpha_ray_key(uvec2 pixel, uint sample_index, uint seed, uint bounce, uint kind) {
-    return pcg_hash(pixel.x ^ pcg_hash(pixel.y ^ pcg_hash(sample_index ^ pcg_hash(seed ^ pcg_hash(2u * bounce + kind)))));
-}
+// Told of every ray before it is traced; the pass that includes this file defines it, to count or keep them.
+void note_ray(Ray ray, uint kind);
 
 // One sample of one pixel.
 PathRadiance trace_path(ViewData view, uvec2 pixel, uint sample_index, inout FirstHit first) {
     PathSampler samples = make_sampler(pixel, sample_index, view.seed, view.sampler_kind, scene.header.sobol, scene.header.blue_noise);
     const vec2 jitter = view.pixel_filter == kFilterPoint ? vec2(0.5) : next_2d(samples);
     PathState path;
-    path.ray = camera_ray(view.camera, vec2(pixel) + jitter, vec2(view.width, view.height), alpha_ray_key(pixel, sample_index, view.seed, 0u, kRayPath));
+    path.ray = camera_ray(view.camera, vec2(pixel) + jitter, vec2(view.width, view.height), hash_ray(pixel, sample_index, view.seed, 0u, kRayPath));
     path.throughput = vec3(1.0);
     path.pdf = -1.0;
     path.bounce = 0u;
     path.first_lobe = kLobeNone;
     path.radiance = make_path_radiance();
     while (true) {
+        note_ray(path.ray, kRayPath);
         const Hit hit = trace_closest(path.ray);
         if (is_miss(hit)) {
             add_environment(path, view.light_sampling);
@@ -178,9 +178,12 @@ PathRadiance trace_path(ViewData view, uvec2 pixel, uint sample_index, inout Fir
         const vec3 wo = -path.ray.direction_ws * frame;
         const Bsdf bsdf = make_bsdf(s.base_color, s.metallic, s.roughness, s.ior, s.specular);
         const NextEvent event = sample_next_event(path, s, bsdf, frame, wo, view.light_sampling, u_pick, u_light,
-                                                  alpha_ray_key(pixel, sample_index, view.seed, path.bounce, kRayShadow));
-        if (event.exists && trace_visible(event.ray, kNow)) add_sampled(path, event.diffuse, event.specular);
-        if (!scatter(path, s, bsdf, frame, wo, u_lobe, u_direction, alpha_ray_key(pixel, sample_index, view.seed, path.bounce + 1u, kRayPath))) break;
+                                                  hash_ray(pixel, sample_index, view.seed, path.bounce, kRayShadow));
+        if (event.exists) {
+            note_ray(event.ray, kRayShadow);
+            if (trace_visible(event.ray, kNow)) add_sampled(path, event.diffuse, event.specular);
+        }
+        if (!scatter(path, s, bsdf, frame, wo, u_lobe, u_direction, hash_ray(pixel, sample_index, view.seed, path.bounce + 1u, kRayPath))) break;
     }
     return path.radiance;
 }

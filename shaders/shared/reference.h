@@ -10,5 +10,14 @@ struct Slice {
     uint first_sample, sample_count;
 };
 
+// `bench replay`: rays as path_trace met them, kMaxDumpedRays slots an invocation; a slot of zeros is unused.
+SHARED_CONST uint kMaxDumpedRays = 48u;
+struct DumpedRay {
+    vec3 origin_ws;
+    float reach;  // t_max; negative: a shadow ray
+    vec3 direction_ws;
+    uint alpha_key;
+};
+
 SHARED_END
 #endif

@@ -67,6 +67,7 @@ View::View(gpu::DevicePtr device, const ViewDesc& desc) : device_(std::move(devi
     film_ = {.view = gpu::Buffer(device_, "view/data", sizeof(shared::ViewData)),
              .block = gpu::Buffer(device_, "film/block", plane * data_.channel_count),
              .sums = gpu::Buffer(device_, "film/sums", 3 * plane * data_.channel_count),
+             .rays = gpu::Buffer(device_, "film/rays", 4 * sizeof(uint32_t)),
              .width = desc.width,
              .height = desc.height,
              .channel_count = data_.channel_count};
@@ -84,6 +85,7 @@ void View::prepare(Frame& frame) {
     if (clear_) {
         frame.fill(film_.block, 0);
         frame.fill(film_.sums, 0);
+        frame.fill(film_.rays, 0);
     }
     if (!restored_.empty()) {
         PARHELION_CHECK(restored_.size() * sizeof(uint32_t) == film_.sums.bytes(), "a restored film has another size");
@@ -98,6 +100,13 @@ FilmReadback View::read_film(Frame& frame) const {
     frame.run();
     const std::span<uint32_t> limbs = copy.mapped_as<uint32_t>();
     return {channels_, {limbs.begin(), limbs.end()}};
+}
+
+RayCounts View::read_rays(Frame& frame) const {
+    const gpu::Buffer copy = frame.read_back(film_.rays);
+    frame.run();
+    const std::span<uint32_t> words = copy.mapped_as<uint32_t>();
+    return {.path = uint64_t(words[1]) << 32 | words[0], .shadow = uint64_t(words[3]) << 32 | words[2]};
 }
 
 }  // namespace parhelion

@@ -41,6 +41,10 @@ struct FilmReadback {
     std::vector<uint32_t> limbs;
 };
 
+struct RayCounts {
+    uint64_t path = 0, shadow = 0;
+};
+
 class View {
 public:
     // Throws a usage Error for an AOV that does not exist (lists those that do).
@@ -60,6 +64,8 @@ public:
 
     // Ends the running block where needed is the renderer's affair; this reads the exact sums.
     FilmReadback read_film(Frame& frame) const;
+    // Rays traced since the film was cleared.
+    RayCounts read_rays(Frame& frame) const;
 
 private:
     gpu::DevicePtr device_;

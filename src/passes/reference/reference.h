@@ -12,11 +12,18 @@ struct Film {
     gpu::Buffer view;   // shared::ViewData
     gpu::Buffer block;  // float[channel_count][height][width]
     gpu::Buffer sums;   // uint[channel_count][3][height][width]
+    gpu::Buffer rays;   // uint[2][2]: path and shadow rays traced so far, low and high word
     uint32_t width = 0, height = 0, channel_count = 0;
 };
 
 // Traces the slice's samples and adds them to the film's block. The slice must lie inside one block.
 void path_trace(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const Film& film, const shared::Slice& slice);
+
+// The same, keeping the rays: DumpedRay[row_count * width][kMaxDumpedRays]. Further rays of an invocation are not kept.
+void path_trace_dumping(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const Film& film, const shared::Slice& slice, const gpu::Buffer& dump);
+
+// Traces dumped rays in the order in which they were traced and does nothing else: the floor under path_trace's time.
+void replay_rays(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const gpu::Buffer& dump, const gpu::Buffer& hits, uint32_t width, uint32_t height);
 
 // Ends the running block for the rows of the slice.
 void add_block(Frame& frame, const Film& film, const shared::Slice& slice);

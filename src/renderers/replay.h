@@ -1,0 +1,17 @@
+#pragma once
+// Trace share: how much of a tracing pass's time its rays alone take.
+#include "renderers/reference.h"
+
+namespace parhelion {
+
+struct TraceShare {
+    double pass_ms = 0;    // path_trace: one sample of every pixel
+    double replay_ms = 0;  // the very same rays, in the same order, traced by a kernel that does nothing else
+    uint64_t rays = 0;
+    double share() const { return pass_ms > 0 ? replay_ms / pass_ms : 0; }
+};
+
+// Median of `repeats` after one warm-up each. The view's film is cleared. Needs GPU timestamps; memory for 48 rays a pixel.
+TraceShare measure_trace_share(const gpu::DevicePtr& device, SceneGpu& scene, gpu::TraceWay way, View& view, uint32_t repeats = 5);
+
+}  // namespace parhelion
