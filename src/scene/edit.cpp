@@ -132,7 +132,7 @@ struct Scene::Checker {
     void require(Handle<T> handle, std::string_view user) const {
         if (alive(handle)) return;
         throw Error(ErrorCode::Failed,
-                    handle ? fmt::format("names a {} that does not exist (slot {}, generation {})", T::kTypeName, handle.index, handle.generation)
+                    handle ? fmt::format("there is no such {} (slot {}, generation {})", T::kTypeName, handle.index, handle.generation)
                            : fmt::format("names no {}", T::kTypeName),
                     fmt::format("scene edit: {}", user), "it was removed, is added later, or belongs to another edit");
     }
@@ -177,7 +177,7 @@ struct Scene::Checker {
         if (!alive(user)) return;
         detail::visit_const_refs(value, [&]<class U>(const Handle<U>& used, bool) {
             if (used && std::get<HandleSetOf<U>>(removed).set.contains(used))
-                throw Error(ErrorCode::Failed, fmt::format("a {} is removed while a {} uses it", U::kTypeName, T::kTypeName), "scene edit: remove",
+                throw Error(ErrorCode::Failed, fmt::format("cannot remove a {} that is still in use ({})", U::kTypeName, T::kTypeName), "scene edit: remove",
                             "remove or change its users in the same edit");
         });
     }

@@ -57,13 +57,15 @@ JsonRef JsonDocument::root() const { return {this, json_.get()}; }
 
 std::string JsonRef::path() const {
     std::string out;
-    for (size_t i = 0; i < step_count_; ++i)
-        if (steps_[i].key.empty()) out += fmt::format("[{}]", steps_[i].index);
-        else out += (out.empty() ? "" : ".") + std::string(steps_[i].key);
+    for (size_t i = 0; i < steps_.count; ++i) {
+        const auto& [key, index] = steps_.list[i];
+        if (key == nullptr) out += fmt::format("[{}]", index);
+        else out += (out.empty() ? "" : ".") + std::string(key, index);
+    }
     return out;
 }
 
-std::string JsonRef::where() const { return step_count_ == 0 ? document_->file_name() : document_->file_name() + ": " + path(); }
+std::string JsonRef::where() const { return steps_.count == 0 ? document_->file_name() : document_->file_name() + ": " + path(); }
 
 void JsonRef::fail(std::string what, std::string hint) const { throw Error(ErrorCode::Failed, std::move(what), where(), std::move(hint)); }
 
@@ -73,10 +75,10 @@ void JsonRef::fail_type(std::string_view expected) const {
 }
 
 JsonRef JsonRef::child(const json* value, Step step) const {
-    PARHELION_CHECK(step_count_ < kMaxSteps, "a JSON path with more than {} steps", kMaxSteps);
+    PARHELION_CHECK(steps_.count < kMaxSteps, "a JSON path with more than {} steps", kMaxSteps);
     JsonRef out = *this;
     out.value_ = value;
-    out.steps_[out.step_count_++] = step;
+    out.steps_.list[out.steps_.count++] = step;
     return out;
 }
 
@@ -88,7 +90,7 @@ std::optional<JsonRef> JsonRef::find(std::string_view key) const {
     if (!value_->is_object()) fail_type("an object");
     const auto found = value_->find(key);
     if (found == value_->end()) return std::nullopt;
-    return child(&*found, {.key = key});
+    return child(&*found, {.key = key.data(), .index = key.size()});
 }
 
 JsonRef JsonRef::at(std::string_view key) const {
@@ -111,7 +113,7 @@ size_t JsonRef::size() const {
 
 JsonRef JsonRef::operator[](size_t index) const {
     if (index >= size()) fail(fmt::format("has {} elements, wanted number {}", size(), index));
-    return child(&(*value_)[index], {.index = index});
+    return child(&(*value_)[index], {.key = nullptr, .index = index});
 }
 
 std::optional<JsonRef> JsonRef::find_array(std::string_view key) const {

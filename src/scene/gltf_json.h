@@ -1,7 +1,7 @@
 #pragma once
 // Typed, checked access to the JSON of a glTF file. Every value knows its place ("meshes[3].primitives[0].attributes.POSITION"),
 // and every read says what it expects; what does not fit is an Error with file, place and expectation.
-#include <array>
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -96,8 +96,8 @@ public:
 private:
     friend class JsonDocument;
     struct Step {
-        std::string_view key;  // empty: `index` counts
-        size_t index = 0;
+        const char* key;  // none: `index` counts
+        size_t index;     // of an element, or the length of the key
     };
     JsonRef(const JsonDocument* document, const nlohmann::json* value) : document_(document), value_(value) {}
     JsonRef child(const nlohmann::json* value, Step step) const;
@@ -106,8 +106,18 @@ private:
     static constexpr size_t kMaxSteps = 12;
     const JsonDocument* document_;
     const nlohmann::json* value_;
-    std::array<Step, kMaxSteps> steps_{};
-    size_t step_count_ = 0;
+    // Only the first step_count_ are set and copied: references are made by the million.
+    struct Steps {
+        Steps() {}
+        Steps(const Steps& other) : count(other.count) { std::copy_n(other.list, count, list); }
+        Steps& operator=(const Steps& other) {
+            count = other.count;
+            std::copy_n(other.list, count, list);
+            return *this;
+        }
+        size_t count = 0;
+        Step list[kMaxSteps];
+    } steps_;
 };
 
 }  // namespace parhelion
