@@ -27,6 +27,25 @@ bundle_libraries() { # bundle_libraries FOLDER PROGRAM...: copies what the progr
     rm "$folder/lib.list"
 }
 
+# NVIDIA's driver opens libEGL.so.1, the vendor-neutral dispatch library, and offers no Vulkan device without it. A server or a container
+# often lacks it, so it is carried; the packages are only unpacked here (to install them would bring all of Mesa's EGL).
+bundle_dispatch() { # bundle_dispatch FOLDER
+    local folder=$1 scratch=$build_dir/dispatch package name
+    mkdir -p "$scratch"
+    for package in libegl1 libglvnd0; do
+        if ! compgen -G "$scratch/${package}_*.deb" >/dev/null; then
+            (cd "$scratch" && quietly "$scratch/download.log" apt-get -q -o APT::Sandbox::User=root download "$package") ||
+                die "bundle: cannot download $package"
+        fi
+        dpkg-deb -x "$scratch/${package}"_*.deb "$scratch/root"
+        cp "$scratch/root/usr/share/doc/$package/copyright" "$folder/licenses/$package.txt"
+    done
+    for name in libEGL.so.1 libGLdispatch.so.0; do
+        cp -L "$(find "$scratch/root/usr/lib" -name "$name" | head -n 1)" "$folder/lib/$name"
+        patchelf --set-rpath '$ORIGIN' "$folder/lib/$name"
+    done
+}
+
 bundle_licenses() { # bundle_licenses FOLDER
     local folder=$1 package file
     # shellcheck disable=SC2086
@@ -83,9 +102,11 @@ cmd_bundle() {
     if $with_tests; then mapfile -t tests < <(built_programs "$build_dir/release/tests"); fi
     strip -o "$folder/bin/parhelion" "$program"
     chmod 755 "$folder/bin/parhelion"
-    patchelf --set-rpath '$ORIGIN/../lib' "$folder/bin/parhelion"
+    # DT_RPATH, not DT_RUNPATH: it holds for what the driver opens, too (bundle_dispatch).
+    patchelf --force-rpath --set-rpath '$ORIGIN/../lib' "$folder/bin/parhelion"
     bundle_libraries "$folder" "$program" "${tests[@]}"
     bundle_licenses "$folder"
+    bundle_dispatch "$folder"
     if $with_tests; then bundle_tests "$folder" "${tests[@]}"; fi
     cat >"$folder/README.txt" <<TEXT
 Parhelion $version, for Linux on x86-64.
@@ -113,7 +134,7 @@ bundle_tests() { # bundle_tests FOLDER PROGRAM...: tests/ with the programs, the
     for program in "$@"; do
         strip -o "$folder/tests/${program##*/}" "$program"
         chmod 755 "$folder/tests/${program##*/}"
-        patchelf --set-rpath '$ORIGIN/../lib' "$folder/tests/${program##*/}"
+        patchelf --force-rpath --set-rpath '$ORIGIN/../lib' "$folder/tests/${program##*/}"
     done
     # What the tests read from the tree: shaders, sources (the include table) and golden files.
     mkdir -p "$folder/tests/tree"
