@@ -1,66 +1,121 @@
 #pragma once
-// Small statistics for tests. Every test says its false-alarm rate; seeds are fixed, so a test that passes once passes always.
-#include <cmath>
-#include <cstddef>
+// The statistics that proofs are made of. Every test here states what it does with noise: an equivalence test fails on noise, a
+// difference test (Z, chi-square, Kolmogorov-Smirnov) passes on it, with the false-alarm rate that its caller gives.
+#include <cstdint>
+#include <functional>
+#include <limits>
 #include <span>
+#include <string>
+#include <vector>
 
 namespace parhelion::testing {
 
-// Upper point of the standard normal distribution: P(Z > z) = alpha, alpha in (0, 0.5]. Abramowitz and Stegun 26.2.23, |error| < 4.5e-4.
-inline double normal_upper_point(double alpha) {
-    const double t = std::sqrt(-2.0 * std::log(alpha));
-    return t - (2.515517 + t * (0.802853 + t * 0.010328)) / (1.0 + t * (1.432788 + t * (0.189269 + t * 0.001308)));
-}
+// ---- distributions ----
 
-// Upper point of chi-square with `freedom` degrees of freedom. Wilson and Hilferty 1931; good to a percent from 3 degrees on.
-inline double chi_square_upper_point(double freedom, double alpha) {
-    const double z = normal_upper_point(alpha), v = 2.0 / (9.0 * freedom);
-    return freedom * std::pow(1.0 - v + z * std::sqrt(v), 3);
-}
+// Regularised incomplete gamma Q(a, x) and beta I_x(a, b), to about 1e-12 relative.
+double upper_gamma(double a, double x);
+double incomplete_beta(double a, double b, double x);
 
-// Alpha of each of `count` independent tests, so that all together raise a false alarm with probability alpha. Sidak 1967.
-inline double sidak(double alpha, size_t count) { return 1.0 - std::pow(1.0 - alpha, 1.0 / static_cast<double>(count)); }
+double normal_cdf(double z);
+double normal_quantile(double p);
+double t_cdf(double t, double degrees_of_freedom);       // infinite degrees of freedom: the normal distribution
+double t_quantile(double p, double degrees_of_freedom);
+double chi_square_survival(double chi2, double degrees_of_freedom);  // probability of more than chi2
+double binomial_cdf(uint64_t successes, uint64_t trials, double p);
+uint64_t binomial_quantile(double probability, uint64_t trials, double p);  // least k with cdf(k) >= probability
 
-// Pearson's test of counts against expected counts. Cells are pooled in order until each pool expects `least` or more.
-struct ChiSquare {
-    double statistic = 0, freedom = 0;
-    bool passes(double alpha) const { return freedom < 1 || statistic <= chi_square_upper_point(freedom, alpha); }
+// The false-alarm rate for each of `tests` independent tests that gives `alpha` for all of them (Sidak 1967).
+double sidak(double alpha, uint64_t tests);
+
+// ---- means ----
+
+struct Moments {
+    double mean = 0, variance = 0;  // variance with n - 1
+    uint64_t count = 0;
+    double standard_error() const;
 };
-template <class Count>
-ChiSquare chi_square(std::span<const Count> observed, std::span<const double> expected, double least = 5) {
-    ChiSquare result{.freedom = -1};
-    double o = 0, e = 0;
-    for (size_t i = 0; i < observed.size(); ++i) {
-        o += static_cast<double>(observed[i]);
-        e += expected[i];
-        if (e < least && i + 1 < observed.size()) continue;
-        if (e > 0) {
-            result.statistic += (o - e) * (o - e) / e;
-            result.freedom += 1;
-        }
-        o = e = 0;
-    }
-    return result;
-}
+Moments moments(std::span<const double> values);
 
-// Pearson's correlation of paired values.
-template <class T>
-double correlation(std::span<const T> a, std::span<const T> b) {
-    double sa = 0, sb = 0, saa = 0, sbb = 0, sab = 0;
-    const auto n = static_cast<double>(a.size());
-    for (size_t i = 0; i < a.size(); ++i) {
-        const double x = a[i], y = b[i];
-        sa += x, sb += y, saa += x * x, sbb += y * y, sab += x * y;
-    }
-    return (n * sab - sa * sb) / std::sqrt((n * saa - sa * sa) * (n * sbb - sb * sb));
-}
+// ---- the equivalence test of "two means are equal" ----
 
-// Least-squares slope of y over x.
-inline double fit_slope(std::span<const double> x, std::span<const double> y) {
-    double sx = 0, sy = 0, sxx = 0, sxy = 0;
-    const auto n = static_cast<double>(x.size());
-    for (size_t i = 0; i < x.size(); ++i) sx += x[i], sy += y[i], sxx += x[i] * x[i], sxy += x[i] * y[i];
-    return (n * sxy - sx * sy) / (n * sxx - sx * sx);
-}
+// Independent runs of one renderer: own seeds, own history. Keeps each run's mean and its means over tiles of 8x8 pixels.
+class Runs {
+public:
+    static constexpr uint32_t kTileSize = 8;
+
+    Runs(uint32_t width, uint32_t height);
+    // One plane (luminance or a channel), row by row.
+    void add_run(std::span<const float> values);
+
+    uint32_t count() const { return static_cast<uint32_t>(means_.size()); }
+    uint32_t tile_count() const { return tiles_x_ * tiles_y_; }
+    std::span<const double> means() const { return means_; }
+    std::span<const double> tile_means(uint32_t tile) const { return tiles_[tile]; }  // one a run
+
+private:
+    uint32_t width_, height_, tiles_x_, tiles_y_;
+    std::vector<double> means_;
+    std::vector<std::vector<double>> tiles_;
+};
+
+struct Equivalence {
+    bool passed = false;                     // both below
+    bool mean_passed = false;                // the interval lies inside 1 +- margin, and the reference is precise enough
+    bool tiles_passed = false;
+    double ratio = 0, low = 0, high = 0;     // mean of test over mean of reference, 99.9 % interval
+    double reference_error = 0;              // standard error of the reference's mean, relative; must be <= margin / 4
+    uint32_t tiles = 0, tiles_over = 0, tiles_allowed = 0;
+    std::string text = {};                        // one line for the failure message
+};
+
+// Says whether the mean of `test` equals that of `reference` to `margin` (0.01: one per cent).
+//   Mean: the 99.9 % t-interval of the ratio of means (delta method, Welch-Satterthwaite degrees of freedom) must lie inside the
+//   margin: noise fails. The reference's own standard error must be at most a quarter of the margin.
+//   Tiles: of the 8x8 tiles brighter than 1 % of the reference's mean, as many may differ by |t| above its 99 % point as the 99.9 %
+//   binomial quantile says: 4 of 64, 8 of 220, 14 of 576. So an equal pair fails by its tiles once in a thousand times.
+// Throws std::invalid_argument for fewer than 32 test runs, fewer than 2 reference runs, or a mean that is not positive.
+Equivalence equivalence_test(const Runs& test, const Runs& reference, double margin);
+// The same against a truth that is known exactly (a closed form): a plane like a run's.
+Equivalence equivalence_test_exact(const Runs& test, const Runs& truth, double margin);
+
+// ---- difference tests ----
+
+struct ZTest {
+    bool passed = false;
+    double worst_p = 1;     // of all pixels
+    double threshold = 0;   // what it must not fall below
+    size_t worst_index = 0;
+    std::string text = {};
+};
+// Pixel by pixel: do two images with these variances (of the pixel values as given, so of means) have one expectation? alpha is the
+// false-alarm rate of the whole image (Sidak). Subr and Arvo, "Statistical Hypothesis Testing for Assessing Monte Carlo
+// Estimators", 2007. degrees_of_freedom: of the variances, where they are estimated from few runs (per image, n - 1).
+ZTest z_test(std::span<const float> a, std::span<const float> variance_a, std::span<const float> b, std::span<const float> variance_b, double alpha,
+             double degrees_of_freedom = std::numeric_limits<double>::infinity());
+
+struct ChiSquare {
+    double chi2 = 0, degrees_of_freedom = 0;
+    double p = 1;  // of a worse fit by chance; 0 for counts where none can be
+    std::string text = {};
+};
+// Do counts follow their expectations? Cells that expect fewer than `min_expected` are pooled, as in pbrt's tests. `fitted` is the
+// number of parameters that were fitted to the counts.
+ChiSquare chi_square_test(std::span<const double> counts, std::span<const double> expected, double min_expected = 5.0, unsigned fitted = 0);
+
+struct KolmogorovSmirnov {
+    double distance = 0, p = 1;
+};
+// Do samples follow a continuous distribution? p by Stephens' approximation (1970).
+KolmogorovSmirnov kolmogorov_smirnov_test(std::vector<double> samples, const std::function<double(double)>& cdf);
+
+// ---- slopes ----
+
+struct SlopeFit {
+    double slope = 0, intercept = 0, standard_error = 0;  // of the slope
+};
+// Least squares y = slope * x + intercept; at least 3 points.
+SlopeFit fit_slope(std::span<const double> x, std::span<const double> y);
+// In log-log: the order of convergence of errors y over counts x.
+SlopeFit fit_log_slope(std::span<const double> x, std::span<const double> y);
 
 }  // namespace parhelion::testing
