@@ -62,7 +62,7 @@ cmd_render() {
     fi
     mkdir -p "$root/out"
     step "Rendering the built-in Cornell box"
-    "$program" render builtin:cornell --size 400x400 --out "$root/out/cornell.exr" --out "$root/out/cornell.png"
+    "$program" render builtin:cornell --size 400x400 --spp 32 --out "$root/out/cornell.exr" --out "$root/out/cornell.png"
     say "The picture: out/cornell.png (tone-mapped) and out/cornell.exr (linear light)."
 }
 
