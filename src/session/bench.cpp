@@ -24,6 +24,7 @@ struct Suite {
 const std::vector<Suite>& suites() {
     static const std::vector<Suite> all = {
         {"quick", {"builtin:cornell", "builtin:spheres"}, {320, 180}, 16},
+        {"replay", {"builtin:cornell", "builtin:spheres", "builtin:textured"}, {640, 360}, 4},
         {"full", {"builtin:cornell", "builtin:diffuse-box", "builtin:spheres", "builtin:textured"}, {1280, 720}, 64},
     };
     return all;
@@ -62,8 +63,6 @@ RenderOptions job_options(const BenchCase& what, const std::vector<std::string>&
 
 }  // namespace
 
-double BenchRow::trace_share() const { return seconds() > 0 ? report.trace_seconds() / seconds() : 0; }
-
 std::vector<BenchCase> bench_cases(const OptionValues& values, const gpu::DeviceCaps& caps) {
     const Suite& suite = find_suite(values);
     const std::vector<std::string> scenes = values.given("--scene") ? values.texts("--scene") : suite.scenes;
@@ -71,7 +70,7 @@ std::vector<BenchCase> bench_cases(const OptionValues& values, const gpu::Device
     const uint64_t spp = values.given("--spp") ? static_cast<uint64_t>(parse_int(values.text("--spp"), "--spp")) : suite.spp;
     std::vector<BenchCase> cases;
     for (const std::string& scene : scenes)
-        for (const gpu::TraceWay way : chosen_ways(values, caps)) cases.push_back({scene, way, size, spp});
+        for (const gpu::TraceWay way : chosen_ways(values, caps)) cases.push_back({scene, way, size, spp, suite.name == "replay"});
     return cases;
 }
 
@@ -83,8 +82,9 @@ std::vector<BenchRow> run_bench_cases(const std::vector<BenchCase>& cases, const
         options.samples.end = 1;
         run_render_job(options, device);
         options.samples.end = what.spp;
-        BenchRow row{what, run_render_job(options, device), std::nullopt};
+        BenchRow row{what, run_render_job(options, device), std::nullopt, std::nullopt};
         if (row.report.interrupt != platform::Interrupt::None) break;
+        if (what.replay) row.replay = measure_job_trace_share(options, device);
         done(row);
         rows.push_back(std::move(row));
     }
@@ -101,18 +101,20 @@ Json bench_json(const std::vector<BenchRow>& rows, const gpu::DeviceCaps& caps) 
         Json entry = report_json(row.report);
         entry["case"] = case_key(row.what);
         if (row.baseline_seconds) entry["baseline_seconds"] = *row.baseline_seconds;
+        if (row.replay) entry["replay"] = {{"pass_ms", row.replay->pass_ms}, {"replay_ms", row.replay->replay_ms}, {"trace_share", row.replay->share()}};
         list.push_back(std::move(entry));
     }
     return {{"device", caps.name}, {"driver", caps.driver}, {"runs", list}};
 }
 
 std::string bench_table(const std::vector<BenchRow>& rows) {
-    std::string out = fmt::format("{:<28} {:<9} {:>11} {:>6} {:>10} {:>12} {:>10}  {}\n", "scene", "trace", "size", "spp", "ms", "Msamples/s", "tracing", "to baseline");
+    std::string out = fmt::format("{:<28} {:<9} {:>11} {:>6} {:>10} {:>12} {:>10} {:>12}  {}\n", "scene", "trace", "size", "spp", "ms", "Msamples/s", "Mrays/s", "trace share", "to baseline");
     for (const BenchRow& row : rows) {
         const std::string size = fmt::format("{}x{}", row.what.size.width, row.what.size.height);
         const std::string ratio = row.baseline_seconds ? fmt::format("x{:.3f}", row.seconds() / *row.baseline_seconds) : "-";
-        out += fmt::format("{:<28} {:<9} {:>11} {:>6} {:>10.1f} {:>12.3f} {:>8.1f} %  {}\n", escape_name(row.what.scene), trace_way_name(row.what.way), size, row.what.spp,
-                           row.seconds() * 1e3, row.report.mega_samples_per_second(), row.trace_share() * 100, ratio);
+        const std::string share = row.replay ? fmt::format("{:.1f} %", row.replay->share() * 100) : "-";
+        out += fmt::format("{:<28} {:<9} {:>11} {:>6} {:>10.1f} {:>12.3f} {:>10.3f} {:>12}  {}\n", escape_name(row.what.scene), trace_way_name(row.what.way), size, row.what.spp,
+                           row.seconds() * 1e3, row.report.mega_samples_per_second(), row.report.mega_rays_per_second(), share, ratio);
     }
     return out;
 }

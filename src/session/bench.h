@@ -17,14 +17,15 @@ struct BenchCase {
     gpu::TraceWay way;
     Size2 size;
     uint64_t spp;
+    bool replay = false;  // also measure the trace share
 };
 
 struct BenchRow {
     BenchCase what;
     RenderReport report;
     std::optional<double> baseline_seconds;  // of the same case in the baseline
+    std::optional<TraceShare> replay;        // of the suite `replay`
     double seconds() const { return report.render_seconds; }
-    double trace_share() const;  // GPU time of the tracing passes over the render time
 };
 
 // The cases of a suite on a device, or of the options' scenes, ways, size and spp. Throws a usage Error for an unknown suite, and

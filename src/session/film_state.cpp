@@ -21,7 +21,11 @@ image::Attributes film_attributes(uint64_t settings_hash, double exposure_ev) {
 std::optional<double> recorded_exposure(const image::Attributes& attributes) {
     const auto found = attributes.find(kExposureAttribute);
     if (found == attributes.end()) return std::nullopt;
-    return parse_float(found->second, kExposureAttribute, -100, 100);
+    try {
+        return parse_float(found->second, kExposureAttribute, -100, 100);
+    } catch (const Error& error) {
+        throw Error(ErrorCode::Failed, "the image's recorded exposure is damaged: " + error.problem, kExposureAttribute);
+    }
 }
 
 image::FilmSums make_film_sums(FilmReadback film, Size2 size, IndexRange samples, image::Attributes attributes) {

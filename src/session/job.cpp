@@ -70,6 +70,13 @@ public:
         return std::move(report_);
     }
 
+    TraceShare measure_share() {
+        load();
+        open_device();
+        set_up();
+        return measure_trace_share(device_, *scene_gpu_, way_, *view_);
+    }
+
 private:
     void load();
     void open_device();
@@ -276,6 +283,7 @@ void Job::log_finished() const {
 
 void Job::finish_report() {
     report_.max_bounces = options_.max_bounces;
+    report_.rays = view_->read_rays(*frame_);
     report_.memory = device_->memory_use();
     report_.peak_host_bytes = platform::peak_resident_bytes();
     if (const uint64_t count = options_.validate ? device_->validation_message_count() : 0; count != 0)
@@ -285,5 +293,6 @@ void Job::finish_report() {
 }  // namespace
 
 RenderReport run_render_job(const RenderOptions& options, gpu::DevicePtr device) { return Job(options, std::move(device)).run(); }
+TraceShare measure_job_trace_share(const RenderOptions& options, gpu::DevicePtr device) { return Job(options, std::move(device)).measure_share(); }
 
 }  // namespace parhelion

@@ -11,6 +11,7 @@
 
 #include "base/platform.h"
 #include "gpu/device.h"
+#include "renderers/replay.h"
 #include "session/render_options.h"
 
 namespace parhelion {
@@ -34,6 +35,7 @@ struct RenderReport {
     uint32_t max_bounces = 0;
     uint64_t settings_hash = 0;
     std::vector<PassTime> passes;
+    RayCounts rays;  // of this run, metering apart
     std::vector<gpu::MemoryUse> memory;
     uint64_t peak_host_bytes = 0;
     platform::Interrupt interrupt = platform::Interrupt::None;
@@ -43,6 +45,7 @@ struct RenderReport {
 
     uint64_t sample_count() const { return finished_end > wanted.begin ? finished_end - wanted.begin : 0; }
     double trace_seconds() const;           // GPU time of the tracing passes
+    double mega_rays_per_second() const;     // all rays over the GPU time of the tracing passes
     double mega_samples_per_second() const;  // pixel-samples of this run over its render time
 };
 nlohmann::ordered_json report_json(const RenderReport& report);
@@ -51,5 +54,8 @@ nlohmann::ordered_json report_json(const RenderReport& report);
 // Interrupted: writes what is finished and returns with report.interrupt set. Throws Error for everything else that goes wrong;
 // then no output exists, except a checkpoint, which stays.
 RenderReport run_render_job(const RenderOptions& options, gpu::DevicePtr device = nullptr);
+
+// `bench replay`: sets the job up and measures which share of its tracing pass the rays alone take. Writes nothing.
+TraceShare measure_job_trace_share(const RenderOptions& options, gpu::DevicePtr device);
 
 }  // namespace parhelion

@@ -15,6 +15,11 @@ double RenderReport::trace_seconds() const {
     return ms / 1000;
 }
 
+double RenderReport::mega_rays_per_second() const {
+    const double seconds = trace_seconds();
+    return seconds > 0 ? double(rays.path + rays.shadow) / seconds / 1e6 : 0;
+}
+
 double RenderReport::mega_samples_per_second() const {
     const double samples = finished_end > resumed_at ? double(finished_end - resumed_at) * size.width * size.height : 0;
     return render_seconds > 0 ? samples / render_seconds / 1e6 : 0;
@@ -51,6 +56,8 @@ Json report_json(const RenderReport& report) {
             {"setup_seconds", report.setup_seconds},
             {"seconds", report.render_seconds},
             {"trace_seconds", report.trace_seconds()},
+            {"rays", {{"path", report.rays.path}, {"shadow", report.rays.shadow}}},
+            {"mrays_per_s", report.mega_rays_per_second()},
             {"mega_samples_per_s", report.mega_samples_per_second()},
             {"passes", passes},
             {"memory", memory},

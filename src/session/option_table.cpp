@@ -118,6 +118,8 @@ const OptionSpec kOptions[] = {
      .help = "print all options as they would be used, in the form of a preset, and end", .bits = kNotInPreset},
 
     // compare
+    {.name = "--layer", .section = "What is compared", .commands = kCompare, .kind = ValueKind::Text, .value = "NAME",
+     .help = "a layer of the EXRs instead of the picture: albedo, path.direct_diffuse, ..."},
     {.name = "--html", .section = "Output", .commands = kCompare, .kind = ValueKind::File, .value = "DIR",
      .help = "write a report with both pictures and the FLIP map into this folder"},
     {.name = "--max-flip", .section = "Limits", .commands = kCompare, .kind = ValueKind::Number, .value = "X",
@@ -163,7 +165,8 @@ const CommandSpec kCommands[] = {
       "parhelion render builtin:cornell --set sampler.kind=pcg --out a.exr"}},
     {Command::Compare, "compare", "TEST REFERENCE", 2, 2, "measure how far a picture is from its reference",
      "Prints mean ratio, MSE, relative MSE, PSNR, SSIM and FLIP of TEST against REFERENCE. Both are exposed with the exposure recorded in the "
-     "reference. F.####.exr stands for a numbered sequence, of which every frame that both sides have is compared.",
+     "reference, or metered from it if it records none. F.####.exr stands for a numbered sequence, compared frame by frame: a limit holds "
+     "for every frame, and a frame that only one side has is an error. With a limit, broken pixels (NaN, infinite) are over it.",
      {"parhelion compare test.exr reference.exr", "parhelion compare test.exr reference.exr --max-flip 0.05 --html report",
       "parhelion compare 'a.####.exr' 'b.####.exr' --json"}},
     {Command::Merge, "merge", "PART...", 1, 100000, "join the parts of `render --spp-range` into one picture",
@@ -174,7 +177,7 @@ const CommandSpec kCommands[] = {
      {"parhelion devices", "parhelion devices --require", "parhelion devices --json"}},
     {Command::Info, "info", "SCENE", 1, 1, "say what is in a scene", "", {"parhelion info scene.glb", "parhelion info builtin:cornell --json"}},
     {Command::Bench, "bench", "[SUITE]", 0, 1, "measure speed: scenes x renderers x ways to trace",
-     "SUITE is quick (default) or full. Prints a table, and JSON with --json. Compare numbers of one device only.",
+     "SUITE is quick (default), full, or replay (which share of a pass its rays alone take). Prints a table, and JSON with --json. Compare numbers of one device only.",
      {"parhelion bench", "parhelion bench full --json now.json --baseline before.json", "parhelion bench --scene scene.glb --trace compute"}},
     {Command::Settings, "settings", "", 0, 0, "list every setting of --set with its range and default", "", {"parhelion settings"}},
     {Command::Help, "help", "[COMMAND]", 0, 1, "explain a command", "",
