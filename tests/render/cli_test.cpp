@@ -226,11 +226,11 @@ TEST_F(CliRender, an_existing_file_is_kept_when_the_job_fails) {
 
 // `merge` writes pictures as `render` does but opens no device: software drivers keep their memory in files, which the limit would hit.
 TEST_F(CliRender, a_full_disk_is_one_clear_line_and_no_file) {
-    const Words part{"render", "builtin:cornell", "--size", "128x128", "--spp-range", "0-64", "--max-bounces", "1", "--exposure", "3"};
+    const Words part{"render", "builtin:cornell", "--size", "48x48", "--spp-range", "0-64", "--max-bounces", "1", "--exposure", "3"};
     ASSERT_EQ(run_parhelion(part + Words{"--out", file("part.exr")}).exit_code, 0);
     write_text_file(file("old.exr"), "precious");
     for (const char* name : {"a.exr", "a.png", "old.exr"}) {
-        const ProcessResult result = run_parhelion({"merge", file("part.exr"), "--out", file(name)}, {.file_size_limit = 4096});
+        const ProcessResult result = run_parhelion({"merge", file("part.exr"), "--out", file(name)}, {.file_size_limit = 1024});
         expect_error(result, 1, std::string(name) + ": writing failed");
     }
     EXPECT_EQ(folder.names(), (Words{"old.exr", "part.exr"}));
