@@ -89,7 +89,7 @@ LightSample sample_mesh_light(LightPick pick, Emitter emitter, vec3 x_ws, vec2 u
         const float alpha = fetch_alpha(geometry, pick.triangle, barycentrics);
         result.radiance *= (geometry.flags & kAlphaModeMask) == kAlphaBlend ? alpha : float(alpha >= material.alpha_cutoff);
     }
-    const vec3 error = 1e-6 * (abs(p0) + abs(p1) + abs(p2)) + max(e0, max(e1, e2));
+    const vec3 error = 1e-6 * max_component(abs(p0) + abs(p1) + abs(p2)) + max(e0, max(e1, e2));
     result.target_ws = offset_origin(p, error, normal / double_area, -result.wi);
     result.pdf = pick.probability * 2.0 / double_area * distance_squared / abs(cosine);
     return result;

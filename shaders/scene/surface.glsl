@@ -58,6 +58,9 @@ Surface fetch_surface(Hit hit, Ray ray) {
     // Interpolation adds seven roundings (Pharr et al. 2016, 3.9.4) on top of the transformed vertices' own errors.
     const float kGamma7 = 7.0 * 5.9604645e-8 / (1.0 - 7.0 * 5.9604645e-8);
     s.position_error = kGamma7 * (weights.x * abs(p0) + weights.y * abs(p1) + weights.z * abs(p2)) + max(e0, max(e1, e2));
+    // Whoever traces the next ray sees the triangle with roundings of its own, of the size of its largest coordinates in any axis,
+    // even where this point is exact (a plane through the origin).
+    s.position_error += 5e-7 * max_component(max(abs(position), max(abs(p0 - position), max(abs(p1 - position), abs(p2 - position)))));
 
     // A mirroring transform turns the order of the corners over; the front side stays the front side.
     const vec3 normal = cross(p1 - p0, p2 - p0) * ((instance.flags & kInstanceFlipsFacing) != 0u ? -1.0 : 1.0);

@@ -1,5 +1,8 @@
 // Where things stand: instance rows and the top levels, made anew whenever something moved. Top levels alternate between two
 // sets of storage, so that the previous frame's stays traceable.
+#include <algorithm>
+#include <functional>
+
 #include <glm/gtc/matrix_inverse.hpp>
 
 #include "base/error.h"
@@ -28,39 +31,63 @@ gpu::TlasInstance to_tlas(const shared::Instance& row, const MeshOnDevice& mesh,
 
 }  // namespace
 
+// An instance keeps its row while it is drawn. A row that it leaves keeps its contents for one frame, because the previous frame's
+// top level still points at it, and is then given to another.
+void SceneGpu::State::assign_instance_rows() {
+    const std::unordered_map<Handle<Instance>, uint32_t> rows_before = std::move(instance_rows);
+    free_rows.insert(free_rows.end(), left_rows.begin(), left_rows.end());
+    std::sort(free_rows.begin(), free_rows.end(), std::greater<>());
+    left_rows.clear();
+    instance_rows.clear();
+    for (const auto& [handle, instance] : scene->instances()) {
+        if (!drawable(instance.place.world_from_object) || scene->get(instance.mesh).triangle_count == 0) continue;
+        const auto kept = rows_before.find(handle);
+        uint32_t row = static_cast<uint32_t>(instances.size());
+        if (kept != rows_before.end()) {
+            row = kept->second;
+        } else if (!free_rows.empty()) {
+            row = free_rows.back();
+            free_rows.pop_back();
+        }
+        if (row == instances.size()) instances.emplace_back();
+        instance_rows[handle] = row;
+    }
+    instance_handles.assign(instances.size(), {});
+    for (const auto& [handle, row] : instance_rows) instance_handles[row] = handle;
+    for (const auto& [handle, row] : rows_before)
+        if (!instance_handles[row]) left_rows.push_back(row);
+}
+
 void SceneGpu::State::place_instances(Frame& frame) {
-    instances.clear();
-    instance_handles.clear();
+    assign_instance_rows();
     geometry_emitter_rows.clear();
     std::vector<gpu::TlasInstance> driver;
     std::vector<bvh::TopItem> own;
     std::vector<gpu::AccelStruct> blases;
     stats.instanced_triangles = 0;
-    for (const auto& [handle, instance] : scene->instances()) {
+    for (uint32_t index = 0; index < instances.size(); ++index) {
+        if (!instance_handles[index]) continue;
+        const Instance& instance = scene->get(instance_handles[index]);
         const glm::mat4& world = instance.place.world_from_object;
-        const Mesh& mesh = scene->get(instance.mesh);
         const MeshOnDevice& on_device = meshes.at(instance.mesh);
-        if (!drawable(world) || mesh.triangle_count == 0) continue;
-        const uint32_t index = static_cast<uint32_t>(instances.size());
         const glm::mat4 inverse(glm::inverse(glm::dmat4(world)));
-        instances.push_back({.world_from_object = to_affine(world),
-                             .object_from_world = to_affine(inverse),
-                             .world_from_object_before = to_affine(instance.place.world_from_object_before),
-                             .geometry_base = on_device.geometry_base,
-                             .geometry_count = on_device.geometry_count,
-                             .emitter_base = static_cast<uint32_t>(geometry_emitter_rows.size()),
-                             .flags = mirrors(world) ? shared::kInstanceFlipsFacing : 0u,
-                             .mask = 0xFFu});
+        instances[index] = {.world_from_object = to_affine(world),
+                            .object_from_world = to_affine(inverse),
+                            .world_from_object_before = to_affine(instance.place.world_from_object_before),
+                            .geometry_base = on_device.geometry_base,
+                            .geometry_count = on_device.geometry_count,
+                            .emitter_base = static_cast<uint32_t>(geometry_emitter_rows.size()),
+                            .flags = mirrors(world) ? shared::kInstanceFlipsFacing : 0u,
+                            .mask = 0xFFu};
         geometry_emitter_rows.resize(geometry_emitter_rows.size() + on_device.geometry_count, shared::kNone);
-        instance_handles.push_back(handle);
-        stats.instanced_triangles += mesh.triangle_count;
+        stats.instanced_triangles += scene->get(instance.mesh).triangle_count;
         if (uses_hardware()) {
-            driver.push_back(to_tlas(instances.back(), on_device, index));
+            driver.push_back(to_tlas(instances[index], on_device, index));
             blases.push_back(on_device.blas);
         }
         if (options.own_bvh) own.push_back(bvh::make_top_item(bottoms, on_device.own_root, world, index));
     }
-    stats.instances = static_cast<uint32_t>(instances.size());
+    stats.instances = static_cast<uint32_t>(instance_rows.size());
     PARHELION_CHECK(instances.size() <= 0xFFFFFFu, "{} instances are more than the 2^24 that a top level holds", instances.size());
     instance_table = make_buffer(frame, "instances", instances);
     if (uses_hardware()) {

@@ -128,6 +128,7 @@ void SceneGpu::State::place_emitters(Frame& frame) {
         emitters.push_back(emitter);
     };
     for (uint32_t i = 0; i < instances.size(); ++i) {
+        if (!instance_handles[i]) continue;
         const Instance& instance = scene->get(instance_handles[i]);
         const Mesh& mesh = scene->get(instance.mesh);
         for (uint32_t g = 0; g < instances[i].geometry_count; ++g) {

@@ -18,36 +18,45 @@ const SceneGpuStats& SceneGpu::stats() const { return state_->stats; }
 
 void SceneGpu::sync(const Scene& scene) {
     state_->scene = &scene;
-    state_->all_stale = true;
+    state_->structure_stale = state_->edited = true;
 }
 
 void SceneGpu::sync(const Scene& scene, const ChangeSet& changes) {
     state_->scene = &scene;
-    const bool structure = !changes.images.empty() || !changes.textures.empty() || !changes.materials.empty() || !changes.meshes.empty() || changes.environment;
-    state_->all_stale |= structure;
-    state_->placement_stale |= !changes.instances.empty() || !changes.lights.empty();
+    state_->structure_stale |= !changes.materials.empty() || !changes.meshes.empty();
+    state_->textures_stale |= !changes.images.empty() || !changes.textures.empty() || changes.environment;
+    state_->edited |= !changes.empty();
+    state_->placement_stale |= !changes.instances.empty() || !changes.lights.empty() || state_->unsettled;
+    state_->unsettled = false;
 }
 
 void SceneGpu::update(Frame& frame) {
     State& s = *state_;
     PARHELION_CHECK(s.scene != nullptr, "SceneGpu::update() before sync()");
-    if (!s.all_stale && !s.placement_stale) return;
-    if (s.all_stale) {
+    if (!s.structure_stale && !s.textures_stale && !s.placement_stale) return;
+    if (s.structure_stale || s.textures_stale) {
         s.upload_materials(frame);
         s.upload_environment(frame);
+    }
+    if (s.structure_stale) {
         s.upload_geometry(frame);
-        if (!s.sampler_tables) {
-            std::vector<uint32_t> tables = sampling::sobol_table();
-            const std::vector<uint32_t> tile = sampling::blue_noise_words();
-            tables.insert(tables.end(), tile.begin(), tile.end());
-            s.sampler_tables = s.make_buffer(frame, "sampler_tables", tables);
-        }
+        // The previous top level points at bottom levels that are no more: the past is the present then.
+        s.tlas[s.parity] = {};
+        s.top_nodes[s.parity] = s.top_items[s.parity] = {};
+    }
+    if (!s.sampler_tables) {
+        std::vector<uint32_t> tables = sampling::sobol_table();
+        const std::vector<uint32_t> tile = sampling::blue_noise_words();
+        tables.insert(tables.end(), tile.begin(), tile.end());
+        s.sampler_tables = s.make_buffer(frame, "sampler_tables", tables);
     }
     s.parity ^= 1;
     s.place_instances(frame);
     s.place_emitters(frame);
     s.write_header(frame);
-    s.all_stale = s.placement_stale = false;
+    s.structure_stale = s.textures_stale = s.placement_stale = false;
+    s.unsettled = s.edited;
+    s.edited = false;
 }
 
 // The header and set 0 alternate, so that the previous frame may still be in flight.

@@ -31,7 +31,8 @@ public:
     SceneGpu& operator=(const SceneGpu&) = delete;
 
     // Notes what an edit changed (the result of Scene::apply or begin_frame). The first call takes the whole scene whatever it
-    // says. `scene` must outlive the next update().
+    // says. `scene` must outlive the next update(). An interactive program calls this every frame, also when nothing changed: that
+    // is how the previous frame's scene becomes the present one. A change of meshes or materials has no previous frame.
     void sync(const Scene& scene, const ChangeSet& changes);
     void sync(const Scene& scene);  // everything changed
 

@@ -21,7 +21,9 @@ struct SceneGpu::State {
     gpu::DevicePtr device;
     SceneGpuOptions options;
     const Scene* scene = nullptr;
-    bool all_stale = true, placement_stale = true;
+    bool structure_stale = true, textures_stale = true, placement_stale = true;
+    bool edited = true;      // since the last update
+    bool unsettled = false;  // the last update followed an edit: the previous top level is another than the present one
 
     // geometry.cpp
     std::vector<shared::Geometry> geometries;
@@ -45,7 +47,9 @@ struct SceneGpu::State {
     // instances.cpp
     std::vector<shared::Instance> instances;
     std::vector<uint32_t> geometry_emitter_rows;
-    std::vector<Handle<Instance>> instance_handles;
+    std::vector<Handle<Instance>> instance_handles;  // by row; none: the row is free
+    std::unordered_map<Handle<Instance>, uint32_t> instance_rows;
+    std::vector<uint32_t> free_rows, left_rows;  // free now; left by this frame's edit, still seen by the previous top level
     gpu::Buffer instance_table, tlas_instances;
     gpu::AccelStruct tlas[2];
     gpu::Buffer top_nodes[2], top_items[2];
@@ -63,6 +67,7 @@ struct SceneGpu::State {
     void upload_environment(Frame& frame);
     void upload_geometry(Frame& frame);
     void upload_triangle_tables(Frame& frame);
+    void assign_instance_rows();
     void place_instances(Frame& frame);  // instance rows, driver's and our top level
     void place_emitters(Frame& frame);   // the top of the light table
     void write_header(Frame& frame);

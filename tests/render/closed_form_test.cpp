@@ -1,0 +1,171 @@
+// Pictures whose every pixel has a formula.
+#include <cmath>
+#include <numbers>
+
+#include "scene/builtin_scenes.h"
+#include "scene/shapes.h"
+#include "support/render_fixture.h"
+
+namespace parhelion::testing {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr uint32_t kSize = 16, kUnlimited = 0xFFFFFFFFu, kNoRoulette = 1u << 20;
+constexpr float kHalf = 1.0f;                 // half extent of the picture on the ground, metres
+constexpr glm::vec3 kAlbedo(0.8f, 0.5f, 0.2f);
+
+class ClosedForm : public GpuTest {
+protected:
+    static void add_ground(SceneEdit& edit) {
+        Primitive ground;
+        add_quad(ground, {-4.0f, 0.0f, 4.0f}, {8.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -8.0f});
+        builtin::add_object(edit, "ground", std::move(ground), edit.add(builtin::lambert("ground", kAlbedo)));
+    }
+    static Shot from_above(uint32_t samples) {
+        return {.view = {.width = kSize, .height = kSize, .max_bounces = 1, .filter = PixelFilter::Point}, .camera = camera_from_above(5.0f, kHalf), .sample_count = samples};
+    }
+    // A light without extent has no noise: every pixel is albedo / pi x irradiance(point on the ground).
+    template <class Irradiance>
+    static void expect_irradiance(Light light, const glm::mat4& place, Irradiance irradiance) {
+        SceneEdit edit;
+        add_ground(edit);
+        light.place.node_from_object = place;
+        edit.add(std::move(light));
+        Stage stage(make_scene(std::move(edit)));
+        const image::ImageF picture = stage.picture(from_above(1));
+        for (uint32_t y = 0; y < kSize; ++y)
+            for (uint32_t x = 0; x < kSize; ++x)
+                for (size_t c = 0; c < 3; ++c) {
+                    const double expected = double(kAlbedo[int(c)]) / kPi * irradiance(glm::dvec3(ground_point(x, y, kSize, kHalf).x, 0.0, ground_point(x, y, kSize, kHalf).y));
+                    ASSERT_NEAR(picture.plane(c)[y * kSize + x], expected, 2e-5 * expected + 1e-6) << x << ' ' << y << ' ' << c;
+                }
+    }
+    static glm::mat4 looking_down_from(glm::vec3 position, float tilt) {  // -Z turned to -Y, then tilted about Z
+        glm::mat4 m = glm::mat4_cast(glm::angleAxis(tilt, glm::vec3(0, 0, 1)) * glm::angleAxis(-float(kPi) / 2, glm::vec3(1, 0, 0)));
+        m[3] = glm::vec4(position, 1.0f);
+        return m;
+    }
+    static std::vector<double> values(const image::ImageF& picture, size_t channel) {
+        const auto plane = picture.plane(channel);
+        return {plane.begin(), plane.end()};
+    }
+};
+
+// Differential element to a parallel rectangle above it with one corner on the element's normal (Howell's catalogue, B-3).
+double corner_form_factor(double a, double b) {
+    const double ra = std::sqrt(1 + a * a), rb = std::sqrt(1 + b * b);
+    return (a / ra * std::atan(b / ra) + b / rb * std::atan(a / rb)) / (2 * kPi);
+}
+
+}  // namespace
+
+TEST_F(ClosedForm, in_a_diffuse_box_each_bounce_adds_a_power_of_the_albedo) {
+    const BuiltinOptions box{.albedo = kAlbedo, .emission = glm::vec3(3.0f)};
+    for (const uint32_t bounces : {0u, 1u, 2u, 5u}) {
+        // BSDF sampling of a Lambert surface has constant weight: there is no noise.
+        const image::ImageF picture = builtin_picture(
+            "builtin:diffuse-box", {.view = {.width = kSize, .height = kSize, .max_bounces = bounces, .roulette_start = kNoRoulette, .light_sampling = 2}, .sample_count = 2}, box);
+        for (size_t c = 0; c < 3; ++c) {
+            const double rho = kAlbedo[int(c)], expected = 3.0 * (1 - std::pow(rho, bounces + 1)) / (1 - rho);
+            for (const float v : picture.plane(c)) ASSERT_NEAR(v, expected, 1e-5 * expected) << bounces << " bounces, channel " << c;
+        }
+    }
+}
+
+TEST_F(ClosedForm, a_diffuse_box_has_the_series_as_its_limit) {
+    const BuiltinOptions box{.albedo = kAlbedo, .emission = glm::vec3(3.0f)};
+    for (const uint32_t light_sampling : {0u, 2u}) {
+        const image::ImageF picture = builtin_picture(
+            "builtin:diffuse-box", {.view = {.width = 32, .height = 32, .max_bounces = kUnlimited, .light_sampling = light_sampling}, .sample_count = 64}, box);
+        expect_sane(picture);
+        for (size_t c = 0; c < 3; ++c) expect_mean(values(picture, c), 3.0 / (1 - double(kAlbedo[int(c)])), 0.025, fmt::format("channel {}, light sampling {}", c, light_sampling));
+    }
+}
+
+TEST_F(ClosedForm, a_white_sphere_vanishes_in_white_light) {
+    const BuiltinOptions white{.albedo = glm::vec3(1.0f), .emission = glm::vec3(1.0f)};
+    const image::ImageF exact = builtin_picture("builtin:furnace", {.view = {.width = kSize, .height = kSize, .light_sampling = 2}, .sample_count = 4}, white);
+    for (const float v : exact.data) ASSERT_NEAR(v, 1.0f, 1e-5f);
+    for (const uint32_t light_sampling : {0u, 1u}) {
+        const image::ImageF picture = builtin_picture("builtin:furnace", {.view = {.width = 32, .height = 32, .light_sampling = light_sampling}, .sample_count = 128}, white);
+        for (size_t c = 0; c < 3; ++c) expect_mean(values(picture, c), 1.0, 0.0025, fmt::format("light sampling {}", light_sampling));
+    }
+}
+
+TEST_F(ClosedForm, a_rough_metal_sphere_gains_no_light) {
+    const BuiltinOptions metal{.albedo = glm::vec3(1.0f), .emission = glm::vec3(1.0f), .roughness = 0.5f, .metallic = 1.0f};
+    const image::ImageF picture = builtin_picture("builtin:furnace", {.sample_count = 64}, metal);
+    EXPECT_LE(mean_rgb(picture), 1.002);
+    EXPECT_GE(mean_rgb(picture), 0.95);
+}
+
+TEST_F(ClosedForm, a_rectangle_lights_a_plane_by_its_form_factor) {
+    constexpr float kHeight = 1.5f, kHalfX = 0.5f, kHalfZ = 0.8f, kNits = 10.0f;
+    SceneEdit edit;
+    add_ground(edit);
+    Primitive lamp;  // shines down; the camera looks through its back
+    add_quad(lamp, {-kHalfX, kHeight, -kHalfZ}, {2 * kHalfX, 0.0f, 0.0f}, {0.0f, 0.0f, 2 * kHalfZ});
+    builtin::add_object(edit, "lamp", std::move(lamp), edit.add(builtin::lambert("lamp", glm::vec3(0.0f), glm::vec3(kNits))));
+    Stage stage(make_scene(std::move(edit)));
+    for (const uint32_t light_sampling : {0u, 1u, 2u}) {
+        Shot shot = from_above(256);
+        shot.view.light_sampling = light_sampling;
+        const image::ImageF picture = stage.picture(shot);
+        std::vector<double> ratios;
+        for (uint32_t y = 0; y < kSize; ++y)
+            for (uint32_t x = 0; x < kSize; ++x) {
+                const glm::dvec2 p(ground_point(x, y, kSize, kHalf));
+                double form = 0;  // four corners' rectangles, with sign
+                for (const double sx : {-1.0, 1.0})
+                    for (const double sz : {-1.0, 1.0}) {
+                        const double a = sx * (sx * double(kHalfX) - p.x) / double(kHeight), b = sz * (sz * double(kHalfZ) - p.y) / double(kHeight);
+                        form += std::copysign(1.0, a) * std::copysign(1.0, b) * corner_form_factor(std::abs(a), std::abs(b));
+                    }
+                ratios.push_back(picture.plane(0)[y * kSize + x] / (double(kAlbedo.x) * double(kNits) * form));
+                EXPECT_NEAR(ratios.back(), 1.0, light_sampling == 2 ? 0.5 : 0.12) << x << ' ' << y;
+            }
+        expect_mean(ratios, 1.0, light_sampling == 2 ? 0.03 : 0.004, fmt::format("light sampling {}", light_sampling));
+    }
+}
+
+TEST_F(ClosedForm, a_point_light_falls_off_by_the_square) {
+    const glm::dvec3 at(0.3, 1.2, -0.2);
+    expect_irradiance({.kind = LightKind::Point, .intensity = 7.0f}, looking_down_from(glm::vec3(at), 0.0f), [&](glm::dvec3 p) {
+        const glm::dvec3 d = at - p;
+        return 7.0 * d.y / std::pow(glm::length(d), 3);
+    });
+}
+
+TEST_F(ClosedForm, a_spot_light_has_the_cone_of_its_definition) {
+    const glm::dvec3 at(0.1, 1.0, 0.2), axis(std::sin(0.2), -std::cos(0.2), 0.0);
+    expect_irradiance({.kind = LightKind::Spot, .intensity = 7.0f, .inner_cone = 0.2f, .outer_cone = 0.6f}, looking_down_from(glm::vec3(at), 0.2f), [&](glm::dvec3 p) {
+        const glm::dvec3 d = at - p;
+        const double cosine = -glm::dot(axis, glm::normalize(d));
+        const double fall = glm::clamp((cosine - std::cos(0.6)) / (std::cos(0.2) - std::cos(0.6)), 0.0, 1.0);
+        return 7.0 * fall * fall * d.y / std::pow(glm::length(d), 3);
+    });
+}
+
+TEST_F(ClosedForm, a_directional_light_gives_its_lux_times_the_cosine) {
+    expect_irradiance({.kind = LightKind::Directional, .intensity = 7.0f}, looking_down_from({}, 0.7f), [](glm::dvec3) { return 7.0 * std::cos(0.7); });
+}
+
+TEST_F(ClosedForm, lights_of_all_kinds_add_up) {
+    SceneEdit edit;
+    add_ground(edit);
+    edit.add(Light{.kind = LightKind::Point, .intensity = 7.0f, .place = {.node_from_object = looking_down_from({0.0f, 2.0f, 0.0f}, 0.0f)}});
+    edit.add(Light{.kind = LightKind::Directional, .intensity = 3.0f, .place = {.node_from_object = looking_down_from({}, 0.5f)}});
+    edit.set_environment({.scale = glm::vec3(0.4f)});
+    Stage stage(make_scene(std::move(edit)));
+    const image::ImageF picture = stage.picture(from_above(256));
+    std::vector<double> ratios;
+    for (uint32_t y = 0; y < kSize; ++y)
+        for (uint32_t x = 0; x < kSize; ++x) {
+            const glm::dvec2 p(ground_point(x, y, kSize, kHalf));
+            const double lux = 7.0 * 2.0 / std::pow(glm::dot(p, p) + 4.0, 1.5) + 3.0 * std::cos(0.5) + 0.4 * kPi;
+            ratios.push_back(picture.plane(1)[y * kSize + x] / (double(kAlbedo.y) / kPi * lux));
+        }
+    expect_mean(ratios, 1.0, 0.005, "sum of lights");
+}
+
+}  // namespace parhelion::testing

@@ -1,0 +1,80 @@
+// Pictures depend on samples alone: not on ranges, slices, barriers or what was drawn before.
+#include "support/render_fixture.h"
+
+namespace parhelion::testing {
+namespace {
+
+class Samples : public GpuTest {
+protected:
+    static constexpr const char* kScene = "builtin:cornell";
+    static Shot shot(uint32_t first, uint32_t count, uint32_t rows = 1u << 20, uint32_t samples = 64) {
+        return {.view = {.width = 24, .height = 24, .max_bounces = 3, .aovs = {"normal"}}, .first_sample = first, .sample_count = count, .slice_rows = rows, .slice_samples = samples};
+    }
+};
+
+TEST_F(Samples, parts_of_a_range_add_up_to_the_whole_bit_for_bit) {
+    const image::FilmSums &a = builtin_film(kScene, shot(0, 64)), &b = builtin_film(kScene, shot(64, 64)), &whole = builtin_film(kScene, shot(0, 128));
+    EXPECT_NE(a.limbs, b.limbs);
+    const image::FilmPart parts[] = {{&b, "second"}, {&a, "first"}};
+    EXPECT_EQ(image::merge_films(parts).limbs, whole.limbs);
+}
+
+TEST_F(Samples, rows_in_slices_draw_the_same_picture) {
+    for (const uint32_t rows : {1u, 7u}) EXPECT_EQ(builtin_film(kScene, shot(0, 64, rows)).limbs, builtin_film(kScene, shot(0, 64)).limbs) << rows << " rows a slice";
+}
+
+TEST_F(Samples, samples_in_slices_draw_the_same_picture) {
+    for (const uint32_t samples : {1u, 5u}) EXPECT_EQ(builtin_film(kScene, shot(0, 64, 64, samples)).limbs, builtin_film(kScene, shot(0, 64)).limbs) << samples << " samples a slice";
+    EXPECT_EQ(builtin_film(kScene, shot(0, 64, 5, 7)).limbs, builtin_film(kScene, shot(0, 64)).limbs) << "rows and samples";
+}
+
+TEST_F(Samples, a_count_that_is_no_multiple_of_a_block_is_a_picture_too) {
+    const image::FilmSums &whole = builtin_film(kScene, shot(0, 70)), &cut = builtin_film(kScene, shot(0, 70, 7, 9));
+    EXPECT_EQ(whole.limbs, cut.limbs);
+    // 70 = 64 + 6, each added exactly.
+    const image::FilmSums &first = builtin_film(kScene, shot(0, 64)), &rest = builtin_film(kScene, shot(64, 6));
+    const image::FilmPart parts[] = {{&first, "first"}, {&rest, "rest"}};
+    EXPECT_EQ(image::merge_films(parts).limbs, whole.limbs);
+}
+
+TEST_F(Samples, another_seed_is_another_picture_of_the_same_mean) {
+    Shot other = shot(0, 64);
+    other.view.seed = 1;
+    EXPECT_NE(builtin_film(kScene, other).limbs, builtin_film(kScene, shot(0, 64)).limbs);
+    EXPECT_NEAR(mean_rgb(builtin_picture(kScene, other)) / mean_rgb(builtin_picture(kScene, shot(0, 64))), 1.0, 0.02);
+}
+
+TEST_F(Samples, full_barriers_change_nothing) {
+    for (const gpu::TraceWay way : kWays) {
+        if (!device()->caps().supports(way)) continue;
+        Shot one = shot(0, 2);
+        one.way = way;
+        Stage full(make_builtin(kScene).scene, {}, {.full_barriers = true});
+        EXPECT_EQ(full.render(one).limbs, builtin_film(kScene, one).limbs) << gpu::trace_way_name(way);
+    }
+}
+
+// Recorded, not run: what a device makes of a missing barrier is its own affair.
+TEST_F(Samples, each_barrier_of_the_renderer_left_out_draws_a_complaint) {
+    const gpu::DevicePtr quiet = gpu::Device::open({});
+    for (const gpu::TraceWay way : kWays) {
+        if (!device()->caps().supports(way)) continue;
+        const bool hardware = way != gpu::TraceWay::Compute;
+        Shot one = shot(0, 1);
+        one.way = way;
+        const auto complaints = [&](int skipped, uint32_t& barriers) {
+            Stage stage(make_builtin("builtin:textured").scene, {.hardware = hardware, .own_bvh = !hardware}, {.skip_barrier = skipped}, quiet);
+            stage.record(one);
+            barriers = stage.frame.barrier_count();
+            return stage.frame.complaints().size();
+        };
+        uint32_t barriers = 0, ignored = 0;
+        EXPECT_EQ(complaints(-1, barriers), 0u);
+        EXPECT_GE(barriers, 2u);
+        for (uint32_t skipped = 0; skipped < barriers; ++skipped)
+            EXPECT_GT(complaints(static_cast<int>(skipped), ignored), 0u) << gpu::trace_way_name(way) << ": barrier " << skipped << " of " << barriers;
+    }
+}
+
+}  // namespace
+}  // namespace parhelion::testing
