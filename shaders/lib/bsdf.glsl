@@ -53,12 +53,16 @@ float specular_share(Bsdf bsdf, float cos_o) {
     return d <= 0.0 ? 1.0 : clamp(s / (s + d), 0.1, 0.9);
 }
 
+// What the coat lets through, on the way in and on the way out: equal in both directions, and never more than it does not
+// reflect.
+vec3 coat_passes(Bsdf bsdf, float cosine) { return vec3(1.0) - fresnel_schlick(bsdf.f0, bsdf.f90, cosine); }
+
 BsdfValue eval_bsdf(Bsdf bsdf, vec3 wo, vec3 wi) {
     BsdfValue value = BsdfValue(vec3(0.0), vec3(0.0));
     if (wi.z <= 0.0 || wo.z <= 0.0) return value;
     const vec3 h = normalize(wo + wi);
     const vec3 f = fresnel_schlick(bsdf.f0, bsdf.f90, dot(wi, h));
-    value.diffuse = bsdf.diffuse * (vec3(1.0) - f) * (wi.z / kPi);
+    value.diffuse = bsdf.diffuse * coat_passes(bsdf, wo.z) * coat_passes(bsdf, wi.z) * (wi.z / kPi);
     if (bsdf.f90 > 0.0) value.specular = f * (ggx_distribution(h.z, bsdf.alpha) * ggx_visibility(wi.z, wo.z, bsdf.alpha) * wi.z);
     return value;
 }

@@ -94,7 +94,7 @@ TEST_F(Cli, wrong_usage_exits_with_2_and_leaves_nothing) {
     expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr"), "--set", "sampler.kin=pcg"}), 2, "there is no setting 'sampler.kin' (did you mean sampler.kind?");
     expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr"), "--set", "sampler.kind=pgc"}), 2, "sampler.kind: 'pgc' is not one of owen|cranley|pcg|white");
     expect_error(run_parhelion({"render", "builtin:nothing", "--out", file("a.exr")}), 2, "builtin:nothing");
-    expect_error(run_parhelion({"bench", "enormous"}), 2, "there is no suite 'enormous' (use quick or full)");
+    expect_error(run_parhelion({"bench", "enormous"}), 2, "there is no suite 'enormous' (use quick or replay or full)");
     expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr")}, {.environment = {{"PARHELION_LOG", "loud"}}}), 2, "'loud' is not a log level");
     EXPECT_TRUE(folder.names().empty());
 }

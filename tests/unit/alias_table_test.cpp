@@ -1,6 +1,7 @@
 // Alias tables: the rows against the weights, and the device's drawing function (compiled as C++) against the rows. A9.
 #include "sampling/alias_table.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -107,17 +108,18 @@ TEST(AliasTable, draws_follow_the_pmf) {
         const std::vector<shared::AliasEntry> rows = device_rows(table);
         std::mt19937 random(11);
         constexpr int kDraws = 1 << 20;
-        std::vector<uint32_t> seen(rows.size(), 0);
+        std::vector<double> seen(rows.size(), 0);
         for (int i = 0; i < kDraws; ++i) ++seen.at(draw(rows, {static_cast<float>(random() >> 8) * 0x1p-24f, static_cast<float>(random() >> 8) * 0x1p-24f}));
         std::vector<double> expected;
         for (size_t i = 0; i < rows.size(); ++i) {
             expected.push_back(static_cast<double>(rows[i].pmf) * kDraws);
             if (rows[i].pmf == 0) {
-                EXPECT_EQ(seen[i], 0u) << "index " << i;
+                EXPECT_EQ(seen[i], 0) << "index " << i;
             }
         }
-        const testing::ChiSquare test = testing::chi_square<uint32_t>(seen, expected);
-        EXPECT_TRUE(test.passes(testing::sidak(0.01, sets.size()))) << test.statistic << " at " << test.freedom << " degrees of freedom";
+        if (std::count_if(expected.begin(), expected.end(), [](double e) { return e > 0; }) < 2) continue;  // one possible index: checked above
+        const testing::ChiSquare test = testing::chi_square_test(seen, expected);
+        EXPECT_GE(test.p, testing::sidak(0.01, sets.size())) << test.text;
     }
 }
 

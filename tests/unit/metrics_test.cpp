@@ -128,7 +128,7 @@ TEST(Metrics, ssim_equals_the_slow_definition) {
     EXPECT_NEAR(ssim(std::span(a).first(12), std::span(a).first(12), 4, 3), 1.0, 1e-9) << "smaller than a window";
 }
 
-TEST(Compare, equal_images_are_perfect) {
+TEST(Comparison, equal_images_are_perfect) {
     const ImageF image = noisy(40, 30, 4);
     const Comparison comparison = compare_images(image, image);
     EXPECT_EQ(comparison.mean_ratio.luminance, 1.0);
@@ -140,7 +140,7 @@ TEST(Compare, equal_images_are_perfect) {
     EXPECT_EQ(comparison.bad.nan + comparison.bad.infinite + comparison.bad.negative, 0u);
 }
 
-TEST(Compare, the_unit_of_the_radiance_does_not_matter) {
+TEST(Comparison, the_unit_of_the_radiance_does_not_matter) {
     ImageF reference = noisy(40, 30, 5), test = noisy(40, 30, 6);
     const Comparison before = compare_images(test, reference);
     for (ImageF* image : {&reference, &test})
@@ -156,7 +156,7 @@ TEST(Compare, the_unit_of_the_radiance_does_not_matter) {
     EXPECT_GT(given.mse, after.mse);
 }
 
-TEST(Compare, every_number_gets_worse_with_more_noise) {
+TEST(Comparison, every_number_gets_worse_with_more_noise) {
     const ImageF reference = noisy(64, 48, 7);
     std::vector<Comparison> results;
     for (const float amount : {0.05f, 0.2f, 0.8f}) {
@@ -175,7 +175,7 @@ TEST(Compare, every_number_gets_worse_with_more_noise) {
     }
 }
 
-TEST(Compare, display_pictures_are_compared_as_they_are) {
+TEST(Comparison, display_pictures_are_compared_as_they_are) {
     Texture8 a{.width = 20, .height = 15}, b = a;
     std::mt19937 rng(9);
     for (int i = 0; i < 20 * 15 * 4; ++i) a.rgba.push_back(static_cast<uint8_t>(rng() % 240)), b.rgba.push_back(static_cast<uint8_t>(a.rgba.back() + 10));
@@ -186,7 +186,7 @@ TEST(Compare, display_pictures_are_compared_as_they_are) {
     EXPECT_EQ(comparison.flip.exposures, 0u);
 }
 
-TEST(Compare, pairs_that_do_not_fit_are_refused_clearly) {
+TEST(Comparison, pairs_that_do_not_fit_are_refused_clearly) {
     const ImageF image = noisy(16, 16, 10);
     EXPECT_NE(error_of([&] { compare_images(noisy(16, 8, 1), image, {.test_name = "a.exr", .reference_name = "b.exr"}); }).find("a.exr: is 16x8 pixels; b.exr is 16x16"),
               std::string::npos);
@@ -196,7 +196,7 @@ TEST(Compare, pairs_that_do_not_fit_are_refused_clearly) {
     EXPECT_NE(error_of([&] { compare_images(image, image, {.layer = "albedo", .test_name = "a.exr"}); }).find("a.exr: has no channels albedo.R"), std::string::npos);
 }
 
-TEST(Compare, a_picture_with_bad_pixels_still_gets_all_its_numbers) {
+TEST(Comparison, a_picture_with_bad_pixels_still_gets_all_its_numbers) {
     const ImageF reference = noisy(40, 30, 11);
     ImageF test = noisy(40, 30, 12);
     test.data[7] = kNan, test.data[8] = kInf, test.data[9] = -1.0f;
@@ -210,7 +210,7 @@ TEST(Compare, a_picture_with_bad_pixels_still_gets_all_its_numbers) {
     EXPECT_EQ(comparison.reference_bad.nan, 0u);
 }
 
-TEST(Compare, the_automatic_exposure_brings_the_lit_pixels_to_middle_grey) {
+TEST(Comparison, the_automatic_exposure_brings_the_lit_pixels_to_middle_grey) {
     ImageF image = image_of(10, 10, [](size_t) { return 9.0f; });
     EXPECT_NEAR(auto_exposure_scale(rgb_planes(image)), 0.02, 1e-7);
     for (size_t c = 0; c < 3; ++c)

@@ -113,7 +113,7 @@ double slope(const std::vector<double>& errors) {
         x.push_back(static_cast<double>(i));
         y.push_back(std::log2(errors[i]));
     }
-    return testing::fit_slope(x, y);
+    return testing::fit_slope(x, y).slope;
 }
 
 TEST(SamplerConvergence, pcg_converges_like_random_sampling) {
