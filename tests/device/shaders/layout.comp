@@ -1,0 +1,59 @@
+#version 460
+// Test shader: fills every struct of shaders/shared with known numbers. Writes: all.
+#extension GL_GOOGLE_include_directive : require
+#include "layout_fill.h"
+
+layout(local_size_x = 1) in;
+layout(set = 1, binding = 0, scalar) buffer AllStructs {
+    SceneHeader scene_header[2];
+    Geometry geometry[2];
+    BvhAddresses bvh_addresses[2];
+    Affine affine[2];
+    Instance instance[2];
+    VertexAttributes vertex_attributes[2];
+    TextureRef texture_ref[2];
+    Material material[2];
+    Emitter emitter[2];
+    AliasEntry alias_entry[2];
+    Environment environment[2];
+    Hit hit[2];
+    Camera camera[2];
+    ViewData view_data[2];
+    Slice slice[2];
+    DumpedRay dumped_ray[2];
+    BvhNode bvh_node[2];
+    BvhTriangle bvh_triangle[2];
+    BvhTopItem bvh_top_item[2];
+    TraversalRay traversal_ray[2];
+    TraversalHit traversal_hit[2];
+} all_structs;
+
+// Copying struct by struct: the block has its own layout, a local variable none.
+void main() {
+    uint n = 1u;
+    LayoutStructs value;
+    for (uint i = 0u; i < 2u; ++i) {
+        fill_entry(n, value, i);
+        all_structs.scene_header[i] = value.scene_header[i];
+        all_structs.geometry[i] = value.geometry[i];
+        all_structs.bvh_addresses[i] = value.bvh_addresses[i];
+        all_structs.affine[i] = value.affine[i];
+        all_structs.instance[i] = value.instance[i];
+        all_structs.vertex_attributes[i] = value.vertex_attributes[i];
+        all_structs.texture_ref[i] = value.texture_ref[i];
+        all_structs.material[i] = value.material[i];
+        all_structs.emitter[i] = value.emitter[i];
+        all_structs.alias_entry[i] = value.alias_entry[i];
+        all_structs.environment[i] = value.environment[i];
+        all_structs.hit[i] = value.hit[i];
+        all_structs.camera[i] = value.camera[i];
+        all_structs.view_data[i] = value.view_data[i];
+        all_structs.slice[i] = value.slice[i];
+        all_structs.dumped_ray[i] = value.dumped_ray[i];
+        all_structs.bvh_node[i] = value.bvh_node[i];
+        all_structs.bvh_triangle[i] = value.bvh_triangle[i];
+        all_structs.bvh_top_item[i] = value.bvh_top_item[i];
+        all_structs.traversal_ray[i] = value.traversal_ray[i];
+        all_structs.traversal_hit[i] = value.traversal_hit[i];
+    }
+}

@@ -1,0 +1,97 @@
+// Writes 1, 2, 3, ... into all fields of the structs of shaders/shared, in order: the same code on the host and in layout.comp.
+#ifndef PARHELION_TEST_LAYOUT_FILL_H
+#define PARHELION_TEST_LAYOUT_FILL_H
+#include "shared/bvh.h"
+#include "shared/functions.h"
+#include "shared/hit.h"
+#include "shared/reference.h"
+#include "shared/scene.h"
+#include "shared/view.h"
+SHARED_BEGIN
+
+struct LayoutStructs {
+    SceneHeader scene_header[2];
+    Geometry geometry[2];
+    BvhAddresses bvh_addresses[2];
+    Affine affine[2];
+    Instance instance[2];
+    VertexAttributes vertex_attributes[2];
+    TextureRef texture_ref[2];
+    Material material[2];
+    Emitter emitter[2];
+    AliasEntry alias_entry[2];
+    Environment environment[2];
+    Hit hit[2];
+    Camera camera[2];
+    ViewData view_data[2];
+    Slice slice[2];
+    DumpedRay dumped_ray[2];
+    BvhNode bvh_node[2];
+    BvhTriangle bvh_triangle[2];
+    BvhTopItem bvh_top_item[2];
+    TraversalRay traversal_ray[2];
+    TraversalHit traversal_hit[2];
+};
+
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(uint) v) { v = n++; }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(float) v) { v = float(n++); }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(uint64_t) v) { v = uint64_t(n) << 32 | uint64_t(n + 7u); ++n; }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(vec2) v) { for (int i = 0; i < 2; ++i) v[i] = float(n++); }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(vec3) v) { for (int i = 0; i < 3; ++i) v[i] = float(n++); }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(vec4) v) { for (int i = 0; i < 4; ++i) v[i] = float(n++); }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(uvec4) v) { for (int i = 0; i < 4; ++i) v[i] = n++; }
+#define F(member) fill(n, v.member);
+
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Affine) v) { F(row0) F(row1) F(row2) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Instance) v) {
+    F(world_from_object) F(object_from_world) F(world_from_object_before) F(geometry_base) F(geometry_count) F(emitter_base) F(flags) F(mask)
+}
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Geometry) v) {
+    F(positions) F(indices) F(attributes) F(triangle_count) F(vertex_count) F(material) F(flags) F(triangle_table) F(triangle_base)
+}
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(VertexAttributes) v) { F(normal) F(tangent) F(uv0) F(uv1) F(color) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(TextureRef) v) { F(texture) F(uv_set) F(row0) F(row1) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Material) v) {
+    F(base_color) F(emission) F(metallic) F(roughness) F(normal_scale) F(alpha_cutoff) F(ior) F(transmission) F(specular) F(flags)
+    F(base_color_texture) F(metal_rough_texture) F(normal_texture) F(emissive_texture)
+}
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Emitter) v) {
+    F(kind) F(instance) F(geometry) F(triangle_count) F(triangle_table) F(position_ws) F(direction_ws) F(intensity) F(cos_inner) F(cos_outer) F(angle)
+}
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(AliasEntry) v) { F(probability) F(alias) F(pmf) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Environment) v) {
+    F(scale) F(texture) F(rotation_sin) F(rotation_cos) F(table_width) F(table_height) F(emitter)
+}
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(SceneHeader) v) {
+    F(instances) F(geometries) F(materials) F(geometry_emitters) F(emitters) F(emitter_table) F(triangle_tables) F(environment_table)
+    F(bottom_nodes) F(bottom_triangles) F(top_nodes) F(top_items) F(top_nodes_before) F(top_items_before) F(sobol) F(blue_noise)
+    F(emitter_count) F(instance_count) F(culling) F(diameter) F(environment)
+}
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Hit) v) { F(instance_bits) F(geometry) F(primitive) F(barycentrics) F(t) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Camera) v) { F(position_ws) F(right_ws) F(up_ws) F(forward_ws) F(orthographic) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(ViewData) v) {
+    F(camera) F(camera_before) F(width) F(height) F(seed) F(sampler_kind) F(max_bounces) F(pixel_filter) F(roulette_start) F(light_sampling)
+    for (uint i = 0u; i < kFilmGroupCount; ++i) F(channel[i])
+    F(channel_count)
+}
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Slice) v) { F(first_row) F(row_count) F(first_sample) F(sample_count) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(DumpedRay) v) { F(origin_ws) F(reach) F(direction_ws) F(alpha_key) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhNode) v) {
+    F(min_x) F(max_x) F(min_y) F(max_y) F(min_z) F(max_z) F(child)
+}
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhTriangle) v) { F(p0) F(geometry) F(p1) F(primitive) F(p2) F(rest) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhTopItem) v) { F(row0) F(instance) F(row1) F(root) F(row2) F(mask) F(origin_ws) F(pad) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhAddresses) v) { F(top_nodes) F(top_items) F(bottom_nodes) F(bottom_triangles) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(TraversalRay) v) { F(origin_ws) F(t_min) F(direction_ws) F(t_max) F(mask) F(alpha_key) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(TraversalHit) v) { F(instance) F(geometry) F(primitive) F(barycentrics) F(t) }
+
+// Entry i of every array.
+SHARED_FN void fill_entry(SHARED_INOUT(uint) n, SHARED_INOUT(LayoutStructs) v, uint i) {
+    F(scene_header[i]) F(geometry[i]) F(bvh_addresses[i]) F(affine[i]) F(instance[i]) F(vertex_attributes[i]) F(texture_ref[i]) F(material[i]) F(emitter[i])
+    F(alias_entry[i]) F(environment[i]) F(hit[i]) F(camera[i]) F(view_data[i]) F(slice[i]) F(dumped_ray[i]) F(bvh_node[i]) F(bvh_triangle[i]) F(bvh_top_item[i])
+    F(traversal_ray[i]) F(traversal_hit[i])
+}
+#undef F
+
+SHARED_END
+#endif

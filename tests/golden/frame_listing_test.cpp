@@ -1,0 +1,52 @@
+// The recorded frame of each renderer and way to trace equals its stored listing, and docs/frame.md is made from those.
+// PARHELION_UPDATE_GOLDEN=1 rewrites both.
+#include <cstdlib>
+#include <fstream>
+
+#include "support/render_fixture.h"
+
+namespace parhelion::testing {
+namespace {
+
+const std::string kGolden = PARHELION_SOURCE_DIR "/tests/golden/", kDocument = PARHELION_SOURCE_DIR "/docs/frame.md";
+
+std::string read(const std::string& path) {
+    std::ifstream file(path);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void expect_file(const std::string& path, const std::string& content) {
+    if (std::getenv("PARHELION_UPDATE_GOLDEN")) std::ofstream(path) << content;
+    EXPECT_EQ(read(path), content) << path << " is out of date; PARHELION_UPDATE_GOLDEN=1 rewrites it";
+}
+
+std::string golden_name(gpu::TraceWay way) { return kGolden + "reference." + std::string(gpu::trace_way_name(way)) + ".txt"; }
+
+class FrameListing : public GpuTest {};
+
+TEST_F(FrameListing, the_reference_records_the_passes_that_are_written_down) {
+    for (const gpu::TraceWay way : kWays) {
+        if (!device()->caps().supports(way)) continue;
+        const bool hardware = way != gpu::TraceWay::Compute;
+        Stage stage(make_builtin("builtin:cornell").scene, {.hardware = hardware, .own_bvh = !hardware});
+        stage.record({.way = way, .view = {.width = 64, .height = 64}, .sample_count = 64});
+        expect_file(golden_name(way), stage.frame.listing());
+    }
+}
+
+TEST_F(FrameListing, the_document_is_made_from_the_listings) {
+    std::string text =
+        "# Frame listings\n\n"
+        "What `parhelion render builtin:cornell --list-frame` records: every pass with what it reads and writes. Made from\n"
+        "`tests/golden/` by the test `golden` (`PARHELION_UPDATE_GOLDEN=1` rewrites it).\n\n"
+        "The first frame of a scene uploads it and builds what its way to trace needs; the last rows, from `view/data` on, are all\n"
+        "that a slice of work consists of afterwards.\n";
+    for (const gpu::TraceWay way : kWays) {
+        const std::string name(gpu::trace_way_name(way));
+        text += "\n## reference, --trace " + name + "\n\n```\n" + read(golden_name(way)) + "```\n";
+    }
+    expect_file(kDocument, text);
+}
+
+}  // namespace
+}  // namespace parhelion::testing
