@@ -29,7 +29,7 @@ std::string wrap(std::string_view text, size_t indent) {
 
 std::string named_rows(std::span<const NamedHelp> rows) {
     std::string out;
-    for (const NamedHelp& row : rows) out += fmt::format("  {:<22}{}\n", row.name, row.help);
+    for (const NamedHelp& row : rows) out += fmt::format("  {:<24}{}\n", row.name, row.help);
     return out;
 }
 
@@ -82,7 +82,7 @@ std::string option_remarks(const OptionSpec& option) {
 
 std::string overview_help() {
     std::string out = fmt::format("Parhelion {}: a ray-traced lighting renderer.\n\nUsage: parhelion COMMAND [options]\n\nCommands:\n", version());
-    for (const CommandSpec& spec : command_table()) out += fmt::format("  {:<22}{}\n", std::string(spec.name) + " " + std::string(spec.positionals), spec.summary);
+    for (const CommandSpec& spec : command_table()) out += fmt::format("  {:<24}{}\n", std::string(spec.name) + " " + std::string(spec.positionals), spec.summary);
     out += "\nTry:\n  parhelion render builtin:cornell --out cornell.png\n  parhelion help render\n\n";
     return out + "Exit codes:\n" + named_rows(exit_code_table()) + "\nEnvironment:\n" + named_rows(environment_table());
 }

@@ -64,7 +64,11 @@ public:
         open_device();
         set_up();
         resume();
-        render();
+        try {
+            render();
+        } catch (const Error& error) {
+            rethrow_with_checkpoint(error);
+        }
         write_outputs();
         finish_report();
         return std::move(report_);
@@ -84,6 +88,7 @@ private:
     ViewDesc describe_view(const CameraView& camera) const;
     void resume();
     void render();
+    [[noreturn]] void rethrow_with_checkpoint(const Error& error) const;
     bool should_stop();
     void show_progress(Progress& progress);
     void save_checkpoint();
@@ -224,6 +229,14 @@ void Job::render() {
     }
     report_.render_seconds = seconds_since(begin);
     report_.finished_end = slicer_->whole_samples();
+}
+
+// A lost device takes its film with it; what a checkpoint holds is still there.
+void Job::rethrow_with_checkpoint(const Error& error) const {
+    if (checkpoint_end_ <= options_.samples.begin) throw error;
+    const std::string hint = fmt::format("{}{} samples are in {}: the same command with --resume continues there", error.hint.empty() ? "" : error.hint + "; ",
+                                         checkpoint_end_ - options_.samples.begin, escape_name(options_.checkpoint.string()));
+    throw Error(error.code, error.problem, error.where, hint);
 }
 
 image::FilmSums Job::sums_of(FilmReadback film, uint64_t end) const {

@@ -8,10 +8,16 @@ namespace parhelion {
 
 using Json = nlohmann::ordered_json;
 
+namespace {
+
+bool traces(const PassTime& pass) { return pass.name.starts_with("reference/path_trace"); }
+
+}  // namespace
+
 double RenderReport::trace_seconds() const {
     double ms = 0;
     for (const PassTime& pass : passes)
-        if (pass.name.find("path_trace") != std::string::npos) ms += pass.ms;
+        if (traces(pass)) ms += pass.ms;
     return ms / 1000;
 }
 
@@ -27,7 +33,9 @@ double RenderReport::mega_samples_per_second() const {
 
 Json report_json(const RenderReport& report) {
     Json passes = Json::array(), memory = Json::object(), files = Json::array();
-    for (const PassTime& pass : report.passes) passes.push_back({{"name", pass.name}, {"ms", pass.ms}, {"count", pass.count}});
+    const uint64_t rays = report.rays.path + report.rays.shadow;
+    for (const PassTime& pass : report.passes)
+        passes.push_back({{"name", pass.name}, {"ms", pass.ms}, {"count", pass.count}, {"rays", traces(pass) ? rays : 0}});
     for (const gpu::MemoryUse& use : report.memory) memory[use.group] = use.bytes;
     for (const auto& file : report.written) files.push_back(file.string());
     const bool complete = report.finished_end == report.wanted.end;

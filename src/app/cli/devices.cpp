@@ -5,7 +5,9 @@
 
 #include "app/cli/commands.h"
 #include "base/error.h"
+#include "base/log.h"
 #include "gpu/device.h"
+#include "session/bench.h"
 #include "session/results.h"
 
 namespace parhelion::cli {
@@ -51,6 +53,27 @@ std::string device_text(const gpu::DeviceCaps& caps, bool best) {
     return out;
 }
 
+struct Measured {
+    gpu::TraceWay way;
+    double mega_rays_per_second;
+};
+
+// Every way to trace that the device has, on the built-in Cornell box.
+std::vector<Measured> measure(const gpu::DeviceCaps& caps) {
+    log(LogLevel::Info, "measuring {}", escape_name(caps.name));
+    const LogLevel level = log_level();
+    if (level == LogLevel::Info) set_log_level(LogLevel::Warn);  // the jobs' own lines
+    const gpu::DevicePtr device = gpu::Device::open({.selector = fmt::format("{}", caps.index)});
+    std::vector<BenchCase> cases;
+    const bool cpu = caps.type == gpu::DeviceType::Cpu;
+    for (const gpu::TraceWay way : kWays)
+        if (caps.supports(way)) cases.push_back({.scene = "builtin:cornell", .way = way, .size = cpu ? Size2{160, 90} : Size2{1280, 720}, .spp = 16});
+    std::vector<Measured> results;
+    run_bench_cases(cases, {}, device, [&](const BenchRow& row) { results.push_back({row.what.way, row.report.mega_rays_per_second()}); });
+    set_log_level(level);
+    return results;
+}
+
 bool any_usable(const std::vector<gpu::DeviceCaps>& devices) {
     for (const gpu::DeviceCaps& caps : devices)
         if (caps.usable()) return true;
@@ -68,6 +91,11 @@ int run_devices(const OptionValues& values) {
     for (size_t i = 0; i < devices.size(); ++i) {
         list.push_back(device_json(devices[i], i == best));
         text += device_text(devices[i], i == best);
+        if (!values.flag("--measure") || !devices[i].usable()) continue;
+        for (const Measured& result : measure(devices[i])) {
+            list.back()["measured_mrays_per_s"][std::string(trace_way_name(result.way))] = result.mega_rays_per_second;
+            text += fmt::format("     {:<9}{:>10.3f} million rays/s\n", trace_way_name(result.way), result.mega_rays_per_second);
+        }
     }
     if (values.flag("--require") && !usable)
         throw Error(ErrorCode::MissingFeature, devices.empty() ? "there is no Vulkan device" : "no device has what Parhelion needs", "devices",
