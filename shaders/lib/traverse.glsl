@@ -20,14 +20,14 @@ SHARED_FN bool accept_hit(uint alpha_key, uint instance, uint geometry_of_mesh, 
 struct BoxRay {
     vec3 inverse;  // of the direction, finite
     vec3 near_offset, far_offset;
-    uvec3 near_row, far_row;  // of BvhNode::planes, entry and exit by axis
 };
 
 const float kBvhInfinity = 3.4e38f;
 
-// The margins: planes are moved apart by 1e-6 of the origin's coordinate, which covers the roundings of offset, product and sum
-// and those that the ray took on its way into object space; the builder widens boxes by some roundings of the planes'
-// own size; the far distance is widened by 1e-6, which covers a division good to 2.5 units in the last place at both ends.
+// The margins: the near planes come nearer and the far ones go farther by 1e-6 of the origin's coordinate, and the far distance
+// grows by 1e-6. Together they cover the roundings of offset, product and sum (a plane's coordinate is at most the
+// origin's plus the way to it), a division good to 2.5 units in the last place at both ends, and what the ray lost on its way into
+// object space. A ray in a face's plane meets the box.
 SHARED_FN BoxRay make_box_ray(vec3 origin, vec3 direction) {
     const float tiny = 1e-25f;  // stands for a zero component: keeps products finite
     BoxRay ray;
@@ -37,23 +37,24 @@ SHARED_FN BoxRay make_box_ray(vec3 origin, vec3 direction) {
     const vec3 offset = -origin * ray.inverse, margin = (abs(origin) * 1e-6f + 1e-16f) * abs(ray.inverse);
     ray.near_offset = offset - margin;
     ray.far_offset = offset + margin;
-    ray.near_row = uvec3(ray.inverse.x < 0.0f ? 1u : 0u, ray.inverse.y < 0.0f ? 3u : 2u, ray.inverse.z < 0.0f ? 5u : 4u);
-    ray.far_row = uvec3(1u - ray.near_row.x, 5u - ray.near_row.y, 9u - ray.near_row.z);
     return ray;
 }
 
-// Distances at which the four children of a node are entered; kBvhInfinity for those that are missed.
-SHARED_FN vec4 intersect_children(uint64_t nodes, uint index, uvec4 child, BoxRay ray, float t_min, float t_max) {
-    const vec4 near_x = BvhNodes(nodes).v[index].planes[ray.near_row.x] * ray.inverse.x + ray.near_offset.x;
-    const vec4 near_y = BvhNodes(nodes).v[index].planes[ray.near_row.y] * ray.inverse.y + ray.near_offset.y;
-    const vec4 near_z = BvhNodes(nodes).v[index].planes[ray.near_row.z] * ray.inverse.z + ray.near_offset.z;
-    const vec4 far_x = BvhNodes(nodes).v[index].planes[ray.far_row.x] * ray.inverse.x + ray.far_offset.x;
-    const vec4 far_y = BvhNodes(nodes).v[index].planes[ray.far_row.y] * ray.inverse.y + ray.far_offset.y;
-    const vec4 far_z = BvhNodes(nodes).v[index].planes[ray.far_row.z] * ray.inverse.z + ray.far_offset.z;
+// Distances at which a node's four children are entered; kBvhInfinity for those that are missed.
+SHARED_FN vec4 intersect_children(BvhNode node, BoxRay ray, float t_min, float t_max) {
+    const bool back_x = ray.inverse.x < 0.0f, back_y = ray.inverse.y < 0.0f, back_z = ray.inverse.z < 0.0f;
+    const vec4 near_x = (back_x ? node.max_x : node.min_x) * ray.inverse.x + ray.near_offset.x;
+    const vec4 near_y = (back_y ? node.max_y : node.min_y) * ray.inverse.y + ray.near_offset.y;
+    const vec4 near_z = (back_z ? node.max_z : node.min_z) * ray.inverse.z + ray.near_offset.z;
+    const vec4 far_x = (back_x ? node.min_x : node.max_x) * ray.inverse.x + ray.far_offset.x;
+    const vec4 far_y = (back_y ? node.min_y : node.max_y) * ray.inverse.y + ray.far_offset.y;
+    const vec4 far_z = (back_z ? node.min_z : node.max_z) * ray.inverse.z + ray.far_offset.z;
     const vec4 t_near = max(max(near_x, near_y), max(near_z, vec4(t_min)));
     const vec4 t_far = min(min(far_x, far_y), min(far_z, vec4(t_max))) * 1.000001f;
-    return vec4(t_near.x <= t_far.x && child.x != kBvhEmpty ? t_near.x : kBvhInfinity, t_near.y <= t_far.y && child.y != kBvhEmpty ? t_near.y : kBvhInfinity,
-                t_near.z <= t_far.z && child.z != kBvhEmpty ? t_near.z : kBvhInfinity, t_near.w <= t_far.w && child.w != kBvhEmpty ? t_near.w : kBvhInfinity);
+    return vec4(t_near.x <= t_far.x && node.child.x != kBvhEmpty ? t_near.x : kBvhInfinity,
+                t_near.y <= t_far.y && node.child.y != kBvhEmpty ? t_near.y : kBvhInfinity,
+                t_near.z <= t_far.z && node.child.z != kBvhEmpty ? t_near.z : kBvhInfinity,
+                t_near.w <= t_far.w && node.child.w != kBvhEmpty ? t_near.w : kBvhInfinity);
 }
 
 SHARED_FN void order_pair(SHARED_INOUT(float) t_a, SHARED_INOUT(uint) child_a, SHARED_INOUT(float) t_b, SHARED_INOUT(uint) child_b) {
@@ -107,8 +108,9 @@ SHARED_FN bool traverse(BvhAddresses bvh, TraversalRay ray, bool any, SHARED_INO
     best.t = ray.t_max;
     while (true) {
         if ((current & kBvhLeaf) == 0u) {
-            uvec4 child = BvhNodes(nodes).v[current].child;
-            vec4 t = intersect_children(nodes, current, child, box_ray, ray.t_min, best.t);
+            const BvhNode node = BvhNodes(nodes).v[current];
+            vec4 t = intersect_children(node, box_ray, ray.t_min, best.t);
+            uvec4 child = node.child;
             order_pair(t.x, child.x, t.z, child.z);
             order_pair(t.y, child.y, t.w, child.w);
             order_pair(t.x, child.x, t.y, child.y);
@@ -117,11 +119,11 @@ SHARED_FN bool traverse(BvhAddresses bvh, TraversalRay ray, bool any, SHARED_INO
             if (t.w < kBvhInfinity) { stack[height] = child.w; stack_t[height++] = t.w; }
             if (t.z < kBvhInfinity) { stack[height] = child.z; stack_t[height++] = t.z; }
             if (t.y < kBvhInfinity) { stack[height] = child.y; stack_t[height++] = t.y; }
-            if (t.x < kBvhInfinity) {
-                current = child.x;
-                continue;
-            }
-        } else if (!in_bottom) {
+            current = t.x < kBvhInfinity ? child.x : kBvhEmpty;
+            if ((current & kBvhLeaf) == 0u) continue;
+        }
+        // Not `else`: a leaf that was just found is looked at in the same round, together with the leaves of other rays.
+        if (current != kBvhEmpty && !in_bottom) {
             const BvhTopItem item = BvhTopItems(bvh.top_items).v[current & kBvhItemMask];
             if ((item.mask & ray.mask) != 0u) {
                 const vec3 p = ray.origin_ws - item.origin_ws, d = ray.direction_ws;
@@ -136,7 +138,7 @@ SHARED_FN bool traverse(BvhAddresses bvh, TraversalRay ray, bool any, SHARED_INO
                 in_bottom = true;
                 continue;
             }
-        } else {
+        } else if (current != kBvhEmpty) {
             found = intersect_leaf(bvh.bottom_triangles, current & kBvhItemMask, sheared, ray, instance, any, found, best);
             if (any && found) return true;
         }

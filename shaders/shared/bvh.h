@@ -1,6 +1,6 @@
 // Our own acceleration structure: a bottom level per mesh, a top level over instances, the same 4-wide nodes in both.
 // One layout for every device: float boxes, four wide, are the fastest on the CPU device and within a fifth of two-wide ones on
-// a GPU without ray tracing hardware; about 65 bytes a triangle.
+// a GPU without ray tracing hardware; 60 to 70 bytes a triangle.
 #ifndef PARHELION_SHARED_BVH_H
 #define PARHELION_SHARED_BVH_H
 #include "shared/types.h"
@@ -20,7 +20,7 @@ SHARED_CONST uint kBvhBottomDepth = 18u;
 SHARED_CONST uint kBvhStackSize = 3u * (kBvhTopDepth + kBvhBottomDepth);
 
 struct BvhNode {
-    vec4 planes[6];  // of the four children: min x, max x, min y, max y, min z, max z. Empty children have min > max.
+    vec4 min_x, max_x, min_y, max_y, min_z, max_z;  // of the four children; empty ones have min > max
     uvec4 child;
 };
 

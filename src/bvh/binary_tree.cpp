@@ -14,7 +14,7 @@ namespace {
 constexpr uint32_t kMaxBins = 16;
 constexpr uint32_t kSubtree = 1u << 14;     // ranges up to this size are built by one thread
 constexpr uint32_t kChunk = 1u << 15;       // larger ranges are scanned by all threads in chunks of this size
-constexpr float kTraversalCost = 1.0f;      // of a binary node, in triangle tests
+constexpr float kTraversalCost = 2.0f;      // of a binary node, in triangle tests: as fast as 1 and a sixth smaller
 
 // Twice the center of a box: saves a product.
 glm::vec3 center(const BuildItem& item) { return item.min + item.max; }

@@ -57,7 +57,7 @@ Box world_box(const shared::BvhNode& root, const glm::dmat3& linear, const glm::
     glm::dvec3 low(1e300), high(-1e300), reach = glm::abs(origin);
     for (int c = 0; c < 4; ++c) {
         if (root.child[c] == shared::kBvhEmpty) continue;
-        const glm::dvec3 min(root.planes[0][c], root.planes[2][c], root.planes[4][c]), max(root.planes[1][c], root.planes[3][c], root.planes[5][c]);
+        const glm::dvec3 min(root.min_x[c], root.min_y[c], root.min_z[c]), max(root.max_x[c], root.max_y[c], root.max_z[c]);
         const glm::dvec3 middle = linear * (0.5 * (min + max)) + origin, half = absolute(linear) * (0.5 * (max - min));
         low = glm::min(low, middle - half), high = glm::max(high, middle + half);
     }

@@ -1,6 +1,5 @@
 // From a binary tree to one with four children a node.
 #include <array>
-#include <cmath>
 
 #include "base/error.h"
 #include "bvh/binary_tree.h"
@@ -38,14 +37,10 @@ Children gather_children(const BinaryTree& tree, uint32_t root, uint32_t room) {
     return children;
 }
 
-// A plane moved outwards by four roundings, for a traversal that multiplies it with a reciprocal (lib/traverse.glsl).
-float widen(float plane, float sign) { return plane + sign * std::abs(plane) * 2.4e-7f; }
-
 void set_box(shared::BvhNode& node, int c, const Box& box) {
-    for (int axis = 0; axis < 3; ++axis) {
-        node.planes[2 * axis][c] = box.empty() ? box.min[axis] : widen(box.min[axis], -1.0f);
-        node.planes[2 * axis + 1][c] = box.empty() ? box.max[axis] : widen(box.max[axis], 1.0f);
-    }
+    node.min_x[c] = box.min.x, node.max_x[c] = box.max.x;
+    node.min_y[c] = box.min.y, node.max_y[c] = box.max.y;
+    node.min_z[c] = box.min.z, node.max_z[c] = box.max.z;
 }
 
 shared::BvhNode empty_node() {
