@@ -28,13 +28,17 @@ std::string join(const std::vector<std::string>& names) {
     throw Error(ErrorCode::Failed, std::move(what), escape_name(part.name), std::move(hint));
 }
 
+// An attribute's value in quotes, or "missing".
+std::string shown_attribute(const Attributes& attributes, const std::string& key) {
+    const auto found = attributes.find(key);
+    return found == attributes.end() ? "missing" : fmt::format("'{}'", escape_name(found->second));
+}
+
 void check_attributes(const FilmPart& part, const FilmPart& first) {
     Attributes all = first.film->attributes;
     all.insert(part.film->attributes.begin(), part.film->attributes.end());
     for (const auto& [key, unused] : all) {
-        const auto a = part.film->attributes.find(key), b = first.film->attributes.find(key);
-        const std::string mine = a == part.film->attributes.end() ? "missing" : "'" + escape_name(a->second) + "'";
-        const std::string theirs = b == first.film->attributes.end() ? "missing" : "'" + escape_name(b->second) + "'";
+        const std::string mine = shown_attribute(part.film->attributes, key), theirs = shown_attribute(first.film->attributes, key);
         if (mine != theirs)
             refuse(part, fmt::format("{} is {} here and {} in {}", escape_name(key), mine, theirs, escape_name(first.name)),
                    "parts must be renders of one picture that differ in their sample range only");

@@ -84,7 +84,7 @@ TEST(Film, a_float_becomes_its_exact_integer_rounded_toward_zero) {
 TEST(Film, a_float_beyond_the_range_saturates) {
     const Int128 limit = static_cast<Int128>(1) << 90;
     const float inf = std::numeric_limits<float>::infinity();
-    for (const float v : {std::ldexp(1.0f, 50), 1e20f, 3e38f, inf}) {
+    for (const float v : {std::ldexp(1.0f, 50), std::ldexp(1.5f, 50), 1e20f, 3e38f, inf}) {
         EXPECT_TRUE(to_integer(fixed_from_float(v)) == limit) << v;
         EXPECT_TRUE(to_integer(fixed_from_float(-v)) == -limit) << v;
     }
