@@ -1,8 +1,10 @@
 #include "support/gpu_fixture.h"
 
 #include <cstdlib>
+#include <filesystem>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/log.h"
 
 namespace parhelion::embedded {
@@ -43,7 +45,14 @@ const gpu::DevicePtr& shared_device() {
 }
 
 const gpu::ShaderPack& test_shader_pack() {
-    static const gpu::ShaderPack pack(std::as_bytes(std::span(embedded::test_shaders, embedded::test_shaders_size)));
+    // Seeded bugs bring their own (tests/seeded/run.sh).
+    static const gpu::ShaderPack pack = [] {
+        constexpr uint64_t kMaxBytes = 64 << 20;
+        const char* folder = std::getenv("PARHELION_SHADER_DIR");
+        const std::filesystem::path file = folder ? std::filesystem::path(folder) / "test_shaders.pack" : std::filesystem::path();
+        if (folder && std::filesystem::exists(file)) return gpu::ShaderPack(read_file(file, kMaxBytes));
+        return gpu::ShaderPack(std::as_bytes(std::span(embedded::test_shaders, embedded::test_shaders_size)));
+    }();
     return pack;
 }
 
