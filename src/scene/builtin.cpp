@@ -50,13 +50,14 @@ constexpr glm::vec3 kWhite(0.725f, 0.71f, 0.68f), kRed(0.63f, 0.065f, 0.05f), kG
 void add_cornell_walls(SceneEdit& edit, Handle<Material> white, glm::vec3 lamp_min, glm::vec3 lamp_max) {
     Primitive walls;
     const glm::vec3 x(2.0f, 0.0f, 0.0f), y(0.0f, 2.0f, 0.0f), z(0.0f, 0.0f, 2.0f);
-    add_quad(walls, {-1.0f, 0.0f, 1.0f}, x, -z);   // floor
-    add_quad(walls, {-1.0f, 0.0f, -1.0f}, x, y);   // back
+    add_quad(walls, {-1.0f, 0.0f, 1.0f}, x, -z);  // floor
+    add_quad(walls, {-1.0f, 0.0f, -1.0f}, x, y);  // back
     const float xs[4] = {-1.0f, lamp_min.x, lamp_max.x, 1.0f}, zs[4] = {-1.0f, lamp_min.z, lamp_max.z, 1.0f};
     for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 3; ++column)
             if (row != 1 || column != 1)
-                add_quad(walls, {xs[column], 2.0f, zs[row]}, {xs[column + 1] - xs[column], 0.0f, 0.0f}, {0.0f, 0.0f, zs[row + 1] - zs[row]});
+                add_quad(walls, {xs[column], 2.0f, zs[row]}, {xs[column + 1] - xs[column], 0.0f, 0.0f},
+                         {0.0f, 0.0f, zs[row + 1] - zs[row]});
     add_object(edit, "walls", std::move(walls), white);
     Primitive left, right;
     add_quad(left, {-1.0f, 0.0f, 1.0f}, -z, y);
@@ -103,7 +104,8 @@ LoadedScene make_cornell(const BuiltinOptions&) {
     const Handle<Node> spinning = changes.resolve(tall);
     out.scripted_edits.push_back({"spin", "the tall box turns, 90 degrees a second", [spinning](double seconds) {
                                       Transform local = kTallBox;
-                                      const double angle = glm::radians(17.0) + std::fmod(seconds * glm::radians(90.0), glm::radians(360.0));
+                                      const double angle =
+                                          glm::radians(17.0) + std::fmod(seconds * glm::radians(90.0), glm::radians(360.0));
                                       local.rotation = glm::angleAxis(static_cast<float>(angle), glm::vec3(0.0f, 1.0f, 0.0f));
                                       SceneEdit step;
                                       step.set_transform(spinning, local);
@@ -153,7 +155,8 @@ const Row kRows[] = {
     {{"builtin:furnace", "a sphere in constant light (albedo, emission, roughness, metallic)"}, builtin::make_furnace},
     {{"builtin:diffuse-box", "a closed room that reflects and emits everywhere (albedo, emission)"}, builtin::make_diffuse_box},
     {{"builtin:spheres", "spheres of five roughnesses by five metalnesses under a plain sky"}, builtin::make_spheres},
-    {{"builtin:textured", "textures, normal maps, alpha, mirrored and stretched instances, a point light and an emitting panel"}, builtin::make_textured},
+    {{"builtin:textured", "textures, normal maps, alpha, mirrored and stretched instances, a point light and an emitting panel"},
+     builtin::make_textured},
 };
 
 }  // namespace

@@ -30,9 +30,9 @@ bool is_builtin(std::string_view name);
 
 // Numbers that a built-in scene may take; each scene reads the ones that its help names.
 struct BuiltinOptions {
-    glm::vec3 albedo{0.5f};       // furnace, diffuse-box
-    glm::vec3 emission{0.5f};     // diffuse-box: nits of every wall; furnace: nits of the environment
-    float roughness = 1.0f;       // furnace: below 1 or with metallic the surface is not pure Lambert
+    glm::vec3 albedo{0.5f};    // furnace, diffuse-box
+    glm::vec3 emission{0.5f};  // diffuse-box: nits of every wall; furnace: nits of the environment
+    float roughness = 1.0f;    // furnace: below 1 or with metallic the surface is not pure Lambert
     float metallic = 0.0f;
 };
 

@@ -17,7 +17,8 @@ Environment make_sky() {
         for (uint32_t x = 0; x < sky.width; ++x) {
             const double theta = kPi * (y + 0.5) / sky.height, phi = 2.0 * kPi * ((x + 0.5) / sky.width - 0.5);
             const glm::dvec3 d(std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi));
-            glm::dvec3 radiance = d.y < 0.0 ? glm::dvec3(0.15, 0.13, 0.11) : glm::mix(glm::dvec3(1.0, 1.0, 1.0), glm::dvec3(0.25, 0.45, 0.9), std::sqrt(d.y));
+            glm::dvec3 radiance =
+                d.y < 0.0 ? glm::dvec3(0.15, 0.13, 0.11) : glm::mix(glm::dvec3(1.0, 1.0, 1.0), glm::dvec3(0.25, 0.45, 0.9), std::sqrt(d.y));
             const double glow = glm::smoothstep(0.94, 0.99, glm::dot(d, sun));
             radiance += glow * glm::dvec3(25.0, 21.0, 15.0);
             sky.radiance.emplace_back(radiance);
@@ -50,27 +51,42 @@ TextureRef add_texture(SceneEdit& edit, Image image, ColorSpace space, const Sam
 
 Textures add_textures(SceneEdit& edit) {
     Textures t;
-    t.checker = add_texture(edit, make_image("checker", 64, [](float u, float v) {
-                                // One red cell in the upper left corner shows orientation.
-                                if (u < 0.125f && v < 0.125f) return glm::vec4(0.9f, 0.1f, 0.1f, 1.0f);
-                                return checker(u, v, 8.0f) ? glm::vec4(0.85f, 0.85f, 0.8f, 1.0f) : glm::vec4(0.2f, 0.3f, 0.5f, 1.0f);
-                            }), ColorSpace::Srgb);
-    t.bumps = add_texture(edit, make_image("bumps", 64, [](float u, float v) {
-                              // Round bumps, 4 x 4: the slope of a cosine, green pointing up in the image.
-                              constexpr float kTurn = 6.2831853f;
-                              const glm::vec3 n = glm::normalize(glm::vec3(0.5f * std::sin(kTurn * 4.0f * u), -0.5f * std::sin(kTurn * 4.0f * v), 1.0f));
-                              return glm::vec4(0.5f * n + 0.5f, 1.0f);
-                          }), ColorSpace::Linear);
-    t.metal_rough = add_texture(edit, make_image("metal-rough", 32, [](float u, float v) {
-                                    return glm::vec4(1.0f, 0.2f + 0.7f * v, u < 0.5f ? 1.0f : 0.0f, 1.0f);
-                                }), ColorSpace::Linear);
-    t.cutout = add_texture(edit, make_image("cutout", 64, [](float u, float v) {
-                               const float r = std::hypot(u - 0.5f, v - 0.5f);
-                               return glm::vec4(0.3f, 0.7f, 0.3f, glm::clamp(4.0f * (0.45f - r) + 0.5f, 0.0f, 1.0f));
-                           }), ColorSpace::Srgb, {.wrap_u = Wrap::ClampToEdge, .wrap_v = Wrap::ClampToEdge});
-    t.glow = add_texture(edit, make_image("glow", 16, [](float u, float v) {
-                             return checker(u, v, 4.0f) ? glm::vec4(1.0f, 0.8f, 0.4f, 1.0f) : glm::vec4(0.1f, 0.1f, 0.3f, 1.0f);
-                         }), ColorSpace::Srgb, {.mag = Filter::Nearest});
+    t.checker =
+        add_texture(edit,
+                    make_image("checker", 64,
+                               [](float u, float v) {
+                                   // One red cell in the upper left corner shows orientation.
+                                   if (u < 0.125f && v < 0.125f) return glm::vec4(0.9f, 0.1f, 0.1f, 1.0f);
+                                   return checker(u, v, 8.0f) ? glm::vec4(0.85f, 0.85f, 0.8f, 1.0f) : glm::vec4(0.2f, 0.3f, 0.5f, 1.0f);
+                               }),
+                    ColorSpace::Srgb);
+    t.bumps = add_texture(edit,
+                          make_image("bumps", 64,
+                                     [](float u, float v) {
+                                         // Round bumps, 4 x 4: the slope of a cosine, green pointing up in the image.
+                                         constexpr float kTurn = 6.2831853f;
+                                         const glm::vec3 n = glm::normalize(
+                                             glm::vec3(0.5f * std::sin(kTurn * 4.0f * u), -0.5f * std::sin(kTurn * 4.0f * v), 1.0f));
+                                         return glm::vec4(0.5f * n + 0.5f, 1.0f);
+                                     }),
+                          ColorSpace::Linear);
+    t.metal_rough = add_texture(
+        edit,
+        make_image("metal-rough", 32, [](float u, float v) { return glm::vec4(1.0f, 0.2f + 0.7f * v, u < 0.5f ? 1.0f : 0.0f, 1.0f); }),
+        ColorSpace::Linear);
+    t.cutout = add_texture(edit,
+                           make_image("cutout", 64,
+                                      [](float u, float v) {
+                                          const float r = std::hypot(u - 0.5f, v - 0.5f);
+                                          return glm::vec4(0.3f, 0.7f, 0.3f, glm::clamp(4.0f * (0.45f - r) + 0.5f, 0.0f, 1.0f));
+                                      }),
+                           ColorSpace::Srgb, {.wrap_u = Wrap::ClampToEdge, .wrap_v = Wrap::ClampToEdge});
+    t.glow = add_texture(edit,
+                         make_image("glow", 16,
+                                    [](float u, float v) {
+                                        return checker(u, v, 4.0f) ? glm::vec4(1.0f, 0.8f, 0.4f, 1.0f) : glm::vec4(0.1f, 0.1f, 0.3f, 1.0f);
+                                    }),
+                         ColorSpace::Srgb, {.mag = Filter::Nearest});
     return t;
 }
 
@@ -95,7 +111,8 @@ void add_textured_room(SceneEdit& edit, const Textures& t) {
     ground.base_color_texture = t.checker;
     ground.base_color_texture.rotation = 0.3f;
     ground.base_color_texture.offset = {0.25f, 0.1f};
-    add_object(edit, "ground", textured_quad({-3.0f, 0.0f, 3.0f}, {6.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -6.0f}, 3.0f), edit.add(std::move(ground)));
+    add_object(edit, "ground", textured_quad({-3.0f, 0.0f, 3.0f}, {6.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -6.0f}, 3.0f),
+               edit.add(std::move(ground)));
     Material wall = glossy("wall", {0.8f, 0.8f, 0.8f}, 1.0f, 1.0f);
     wall.metal_rough_texture = t.metal_rough;
     wall.normal_texture = t.bumps;
@@ -177,12 +194,13 @@ LoadedScene make_textured(const BuiltinOptions&) {
     LoadedScene out;
     const ChangeSet changes = out.scene.apply(std::move(edit));
     const Handle<Node> moving = changes.resolve(statues);
-    out.scripted_edits.push_back({"sway", "the statues move sideways and back, once in 4 seconds", [moving](double seconds) {
-                                      constexpr double kTurn = 6.283185307179586;
-                                      SceneEdit step;
-                                      step.set_transform(moving, {.translation = {float(0.3 * std::sin(kTurn * seconds / 4.0)), 0.0f, 0.0f}});
-                                      return step;
-                                  }});
+    out.scripted_edits.push_back(
+        {"sway", "the statues move sideways and back, once in 4 seconds", [moving](double seconds) {
+             constexpr double kTurn = 6.283185307179586;
+             SceneEdit step;
+             step.set_transform(moving, {.translation = {float(0.3 * std::sin(kTurn * seconds / 4.0)), 0.0f, 0.0f}});
+             return step;
+         }});
     const Handle<Light> light = *out.scene.lights().handle_at(0);
     const Light lit = out.scene.get(light);
     out.scripted_edits.push_back({"flicker", "the lamp's brightness swings, once a second", [light, lit](double seconds) {

@@ -12,7 +12,8 @@ namespace {
 void set_frame(CameraView& view, glm::dvec3 forward, glm::dvec3 up_hint) {
     glm::dvec3 right = glm::cross(forward, up_hint);
     // Looking straight up or down: the image's top is then where -Z (down) or +Z (up) lies, as a head tilts.
-    if (glm::dot(right, right) < 1e-12 * glm::dot(up_hint, up_hint)) right = glm::cross(forward, glm::dvec3(0.0, 0.0, forward.y < 0.0 ? -1.0 : 1.0));
+    if (glm::dot(right, right) < 1e-12 * glm::dot(up_hint, up_hint))
+        right = glm::cross(forward, glm::dvec3(0.0, 0.0, forward.y < 0.0 ? -1.0 : 1.0));
     if (glm::dot(right, right) < 1e-12) right = glm::cross(forward, glm::dvec3(0.0, 1.0, 0.0));
     right = glm::normalize(right);
     view.forward = glm::vec3(forward);
@@ -23,7 +24,8 @@ void set_frame(CameraView& view, glm::dvec3 forward, glm::dvec3 up_hint) {
 std::string camera_list(const Scene& scene) {
     std::string out;
     size_t index = 0;
-    for (const auto& [handle, camera] : scene.cameras()) out += fmt::format("{}{} '{}'", index == 0 ? "" : ", ", index, escape_name(camera.name)), ++index;
+    for (const auto& [handle, camera] : scene.cameras())
+        out += fmt::format("{}{} '{}'", index == 0 ? "" : ", ", index, escape_name(camera.name)), ++index;
     return index == 0 ? "the scene has no camera: use --look-from and --look-at" : "cameras: " + out;
 }
 
@@ -79,7 +81,8 @@ CameraView framing_view(const Bounds& bounds, float aspect) {
     for (int corner = 0; corner < 8; ++corner) {
         const glm::vec3 p(corner & 1 ? half.x : -half.x, corner & 2 ? half.y : -half.y, corner & 4 ? half.z : -half.z);
         const float depth = glm::dot(p, view.forward);
-        distance = std::max({distance, std::abs(glm::dot(p, view.right)) / extents.x - depth, std::abs(glm::dot(p, view.up)) / extents.y - depth});
+        distance =
+            std::max({distance, std::abs(glm::dot(p, view.right)) / extents.x - depth, std::abs(glm::dot(p, view.up)) / extents.y - depth});
     }
     if (!(distance > 0.0f)) distance = 1.0f;  // a single point
     view.position = center + distance * towards_camera;

@@ -7,13 +7,13 @@
 namespace parhelion {
 
 struct CameraView {
-    glm::vec3 position{0.0f};                                                      // world, metres
+    glm::vec3 position{0.0f};                                                             // world, metres
     glm::vec3 right{1.0f, 0.0f, 0.0f}, up{0.0f, 1.0f, 0.0f}, forward{0.0f, 0.0f, -1.0f};  // orthonormal, right = forward x up
     bool orthographic = false;
-    float yfov = 0.8f;              // perspective: full vertical angle, radians
-    glm::vec2 half_extents{1.0f};   // orthographic: metres, for the aspect that the view was made for
-    float near_plane = 0.01f;       // metres, for depth only
-    float far_plane = 1000.0f;      // orthographic depth only; perspective has none
+    float yfov = 0.8f;             // perspective: full vertical angle, radians
+    glm::vec2 half_extents{1.0f};  // orthographic: metres, for the aspect that the view was made for
+    float near_plane = 0.01f;      // metres, for depth only
+    float far_plane = 1000.0f;     // orthographic depth only; perspective has none
 
     // Half extents of the image at unit distance (perspective) or in metres (orthographic).
     glm::vec2 image_half_extents(float aspect) const;

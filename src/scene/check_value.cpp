@@ -48,8 +48,8 @@ void check_value(const Image& image) {
 void check_value(const Texture&) {}
 
 void check_value(const Material& m) {
-    const bool numbers = finite(m.base_color) && finite(m.metallic) && finite(m.roughness) && finite(m.normal_scale) && finite(m.emission) &&
-                         finite(m.alpha_cutoff) && finite(m.ior) && finite(m.specular) && finite(m.transmission);
+    const bool numbers = finite(m.base_color) && finite(m.metallic) && finite(m.roughness) && finite(m.normal_scale) &&
+                         finite(m.emission) && finite(m.alpha_cutoff) && finite(m.ior) && finite(m.specular) && finite(m.transmission);
     if (!numbers) fail(m, "has a number that is not finite");
     if (m.emission.x < 0.0f || m.emission.y < 0.0f || m.emission.z < 0.0f) fail(m, "emits negative light");
     for (const TextureRef* ref : {&m.base_color_texture, &m.metal_rough_texture, &m.normal_texture, &m.emissive_texture})
@@ -60,7 +60,9 @@ void check_value(const Mesh& mesh) {
     for (const Primitive& primitive : mesh.primitives) {
         const size_t vertices = primitive.positions.size();
         if (vertices > 0xFFFFFFFFull || primitive.triangles.size() > 0xFFFFFFFFull / 3) fail(mesh, "has more than 2^32 indices");
-        if (!all_finite(primitive.positions)) fail(mesh, "has a position that is not finite");
+        for (const glm::vec3& p : primitive.positions)
+            if (!(glm::max(glm::abs(p.x), glm::max(glm::abs(p.y), glm::abs(p.z))) <= kLargestCoordinate && finite(p)))
+                fail(mesh, fmt::format("has a position that is not finite or beyond {:g} metres", kLargestCoordinate));
         check_attribute(mesh, primitive, primitive.normals, "normals");
         check_attribute(mesh, primitive, primitive.tangents, "tangents");
         check_attribute(mesh, primitive, primitive.uv0, "texture coordinates");
@@ -85,9 +87,11 @@ void check_value(const Instance& instance) {
 }
 
 void check_value(const Light& light) {
-    if (!finite(light.color) || !finite(light.intensity) || !finite(light.range) || !finite(light.angular_radius) || !finite(light.place.node_from_object))
+    if (!finite(light.color) || !finite(light.intensity) || !finite(light.range) || !finite(light.angular_radius) ||
+        !finite(light.place.node_from_object))
         fail(light, "has a number that is not finite");
-    if (light.intensity < 0.0f || light.color.x < 0.0f || light.color.y < 0.0f || light.color.z < 0.0f) fail(light, "has negative intensity");
+    if (light.intensity < 0.0f || light.color.x < 0.0f || light.color.y < 0.0f || light.color.z < 0.0f)
+        fail(light, "has negative intensity");
     if (light.range < 0.0f || light.angular_radius < 0.0f) fail(light, "has a negative range or size");
     constexpr float kHalfPi = 1.5707964f;
     if (light.kind == LightKind::Spot && !(light.inner_cone >= 0.0f && light.inner_cone <= light.outer_cone && light.outer_cone <= kHalfPi))
@@ -103,14 +107,18 @@ void check_value(const Camera& camera) {
         fail(camera, "its extents are not positive");
     if (!(camera.near_plane >= 0.0f && finite(camera.near_plane)) || (perspective && camera.near_plane == 0.0f))
         fail(camera, "its near plane is not positive");
-    if (camera.far_plane && !(*camera.far_plane > camera.near_plane && finite(*camera.far_plane))) fail(camera, "its far plane is not beyond the near plane");
+    if (camera.far_plane && !(*camera.far_plane > camera.near_plane && finite(*camera.far_plane)))
+        fail(camera, "its far plane is not beyond the near plane");
 }
 
 void check_value(const Environment& environment) {
-    const auto bad = [&](std::string what) { throw Error(ErrorCode::Failed, std::move(what), fmt::format("environment '{}'", escape_name(environment.name))); };
+    const auto bad = [&](std::string what) {
+        throw Error(ErrorCode::Failed, std::move(what), fmt::format("environment '{}'", escape_name(environment.name)));
+    };
     if (uint64_t(environment.width) * environment.height != environment.radiance.size())
         bad(fmt::format("has {} values for {} x {} pixels", environment.radiance.size(), environment.width, environment.height));
-    if (!finite(environment.scale) || !finite(environment.rotation) || !all_finite(environment.radiance)) bad("has a number that is not finite");
+    if (!finite(environment.scale) || !finite(environment.rotation) || !all_finite(environment.radiance))
+        bad("has a number that is not finite");
     for (const glm::vec3& radiance : environment.radiance)
         if (radiance.x < 0.0f || radiance.y < 0.0f || radiance.z < 0.0f) bad("has negative radiance");
     if (environment.scale.x < 0.0f || environment.scale.y < 0.0f || environment.scale.z < 0.0f) bad("has negative intensity");

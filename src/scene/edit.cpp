@@ -85,7 +85,8 @@ Handle<T> ChangeSet::resolve(Handle<T> handle) const {
     if (!handle.pending()) return handle;
     const auto& resolved = std::get<std::vector<Handle<T>>>(resolved_);
     if ((handle.generation & ~Handle<T>::kPendingBit) != serial_ || handle.index >= resolved.size())
-        throw Error(ErrorCode::Failed, "a pending handle of another edit", std::string(T::kTypeName), "resolve it with the change set of its own edit");
+        throw Error(ErrorCode::Failed, "a pending handle of another edit", std::string(T::kTypeName),
+                    "resolve it with the change set of its own edit");
     return resolved[handle.index];
 }
 template Handle<Image> ChangeSet::resolve(Handle<Image>) const;
@@ -177,8 +178,8 @@ struct Scene::Checker {
         if (!alive(user)) return;
         detail::visit_const_refs(value, [&]<class U>(const Handle<U>& used, bool) {
             if (used && std::get<HandleSetOf<U>>(removed).set.contains(used))
-                throw Error(ErrorCode::Failed, fmt::format("cannot remove a {} that is still in use ({})", U::kTypeName, T::kTypeName), "scene edit: remove",
-                            "remove or change its users in the same edit");
+                throw Error(ErrorCode::Failed, fmt::format("cannot remove a {} that is still in use ({})", U::kTypeName, T::kTypeName),
+                            "scene edit: remove", "remove or change its users in the same edit");
         });
     }
     template <class T>
@@ -224,25 +225,36 @@ struct Scene::Applier {
     }
     template <class T>
     std::vector<Handle<T>>& dirty() {
-        if constexpr (std::is_same_v<T, Node>) return dirty_nodes;
-        else if constexpr (std::is_same_v<T, Instance>) return dirty_instances;
-        else if constexpr (std::is_same_v<T, Light>) return dirty_lights;
-        else return dirty_cameras;
+        if constexpr (std::is_same_v<T, Node>)
+            return dirty_nodes;
+        else if constexpr (std::is_same_v<T, Instance>)
+            return dirty_instances;
+        else if constexpr (std::is_same_v<T, Light>)
+            return dirty_lights;
+        else
+            return dirty_cameras;
     }
     template <class T>
     static std::vector<Handle<T>>& attached(Node& node) {
-        if constexpr (std::is_same_v<T, Node>) return node.children;
-        else if constexpr (std::is_same_v<T, Instance>) return node.instances;
-        else if constexpr (std::is_same_v<T, Light>) return node.lights;
-        else return node.cameras;
+        if constexpr (std::is_same_v<T, Node>)
+            return node.children;
+        else if constexpr (std::is_same_v<T, Instance>)
+            return node.instances;
+        else if constexpr (std::is_same_v<T, Light>)
+            return node.lights;
+        else
+            return node.cameras;
     }
     template <class T>
     static Handle<Node> owner(const T& value) {
-        if constexpr (std::is_same_v<T, Node>) return value.parent;
-        else return value.place.node;
+        if constexpr (std::is_same_v<T, Node>)
+            return value.parent;
+        else
+            return value.place.node;
     }
     template <class T>
-    static constexpr bool kPlaced = std::is_same_v<T, Node> || std::is_same_v<T, Instance> || std::is_same_v<T, Light> || std::is_same_v<T, Camera>;
+    static constexpr bool kPlaced =
+        std::is_same_v<T, Node> || std::is_same_v<T, Instance> || std::is_same_v<T, Light> || std::is_same_v<T, Camera>;
 
     static void prepare(Mesh& mesh) {
         mesh.bounds = {};

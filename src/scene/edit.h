@@ -30,7 +30,9 @@ public:
 
     void set_transform(Handle<Node> node, const Transform& local) { steps_.push_back(Move<Node>{node, local}); }
     // Relative to the node it hangs on, in the world if it hangs on none.
-    void set_transform(Handle<Instance> instance, const glm::mat4& matrix) { steps_.push_back(Move<Instance>{instance, {.matrix = matrix}}); }
+    void set_transform(Handle<Instance> instance, const glm::mat4& matrix) {
+        steps_.push_back(Move<Instance>{instance, {.matrix = matrix}});
+    }
     void set_transform(Handle<Light> light, const glm::mat4& matrix) { steps_.push_back(Move<Light>{light, {.matrix = matrix}}); }
     void set_transform(Handle<Camera> camera, const glm::mat4& matrix) { steps_.push_back(Move<Camera>{camera, {.matrix = matrix}}); }
 
@@ -66,10 +68,10 @@ private:
     template <class T>
     Handle<T> push_add(T&& value);
 
-    using Step = std::variant<Add<Image>, Add<Texture>, Add<Material>, Add<Mesh>, Add<Node>, Add<Instance>, Add<Light>, Add<Camera>, Remove<Image>,
-                              Remove<Texture>, Remove<Material>, Remove<Mesh>, Remove<Node>, Remove<Instance>, Remove<Light>, Remove<Camera>,
-                              Move<Node>, Move<Instance>, Move<Light>, Move<Camera>, Replace<Material>, Replace<Light>, Replace<Camera>, Environment,
-                              SceneSource>;
+    using Step = std::variant<Add<Image>, Add<Texture>, Add<Material>, Add<Mesh>, Add<Node>, Add<Instance>, Add<Light>, Add<Camera>,
+                              Remove<Image>, Remove<Texture>, Remove<Material>, Remove<Mesh>, Remove<Node>, Remove<Instance>, Remove<Light>,
+                              Remove<Camera>, Move<Node>, Move<Instance>, Move<Light>, Move<Camera>, Replace<Material>, Replace<Light>,
+                              Replace<Camera>, Environment, SceneSource>;
     std::vector<Step> steps_;
     uint32_t serial_;         // marks the pending handles of this edit
     uint32_t added_[8] = {};  // adds so far by type, in the order of the overloads above

@@ -17,12 +17,18 @@ enum class ComponentType { Byte = 5120, UnsignedByte = 5121, Short = 5122, Unsig
 template <class F>
 decltype(auto) with_type(ComponentType type, F&& f) {
     switch (type) {
-        case ComponentType::Byte: return f(int8_t{});
-        case ComponentType::UnsignedByte: return f(uint8_t{});
-        case ComponentType::Short: return f(int16_t{});
-        case ComponentType::UnsignedShort: return f(uint16_t{});
-        case ComponentType::UnsignedInt: return f(uint32_t{});
-        case ComponentType::Float: break;
+        case ComponentType::Byte:
+            return f(int8_t{});
+        case ComponentType::UnsignedByte:
+            return f(uint8_t{});
+        case ComponentType::Short:
+            return f(int16_t{});
+        case ComponentType::UnsignedShort:
+            return f(uint16_t{});
+        case ComponentType::UnsignedInt:
+            return f(uint32_t{});
+        case ComponentType::Float:
+            break;
     }
     return f(float{});
 }
@@ -58,10 +64,12 @@ uint32_t component_count(const JsonRef& type) {
 }
 
 // Bytes of `count` elements of `element_size` at `offset` of a view; checked in 64 bits (count < 2^32, stride <= 252).
-const std::byte* locate(const JsonRef& json, const GltfDocument::View& view, uint64_t offset, uint64_t count, uint64_t element_size, uint64_t stride) {
+const std::byte* locate(const JsonRef& json, const GltfDocument::View& view, uint64_t offset, uint64_t count, uint64_t element_size,
+                        uint64_t stride) {
     const uint64_t span = count == 0 ? 0 : (count - 1) * stride + element_size;
     if (offset > view.bytes.size() || span > view.bytes.size() - offset)
-        json.fail(fmt::format("{} elements need {} bytes at offset {}, but the buffer view has {}", count, span, offset, view.bytes.size()));
+        json.fail(
+            fmt::format("{} elements need {} bytes at offset {}, but the buffer view has {}", count, span, offset, view.bytes.size()));
     return view.bytes.data() + offset;
 }
 
@@ -72,7 +80,8 @@ Accessor open_accessor(GltfDocument& document, const JsonRef& use) {
                .type = read_component_type(json.at("componentType")),
                .components = component_count(json.at("type")),
                .normalized = json.boolean("normalized", false)};
-    if (a.normalized && (a.type == ComponentType::Float || a.type == ComponentType::UnsignedInt)) json.fail("only 8 and 16 bit integers can be normalised");
+    if (a.normalized && (a.type == ComponentType::Float || a.type == ComponentType::UnsignedInt))
+        json.fail("only 8 and 16 bit integers can be normalised");
     const uint64_t element_size = uint64_t(size_of(a.type)) * a.components;
     if (const std::optional<JsonRef> view_ref = json.find("bufferView")) {
         const GltfDocument::View view = document.view(*view_ref);
@@ -131,7 +140,8 @@ Sparse read_sparse(GltfDocument& document, const Accessor& a, const JsonRef& jso
     document.files().charge(count * sizeof(uint32_t), indices.where());
     sparse.indices = read_integers(data, type, size_of(type), count);
     for (uint64_t i = 0; i < count; ++i) {
-        if (sparse.indices[i] >= a.count) indices.fail(fmt::format("index {} is {}; the accessor has {} elements", i, sparse.indices[i], a.count));
+        if (sparse.indices[i] >= a.count)
+            indices.fail(fmt::format("index {} is {}; the accessor has {} elements", i, sparse.indices[i], a.count));
         if (i > 0 && sparse.indices[i] <= sparse.indices[i - 1]) indices.fail(fmt::format("index {} is not larger than the one before", i));
     }
     return sparse;
@@ -152,7 +162,8 @@ void read_floats(GltfDocument& document, const Accessor& a, float* out) {
         }
     });
     for (uint64_t i = 0; i < a.count * a.components; ++i)
-        if (!std::isfinite(out[i])) a.json.fail(fmt::format("element {} is not a finite number", i / a.components), "the file is damaged: export it again");
+        if (!std::isfinite(out[i]))
+            a.json.fail(fmt::format("element {} is not a finite number", i / a.components), "the file is damaged: export it again");
 }
 
 }  // namespace
@@ -160,7 +171,8 @@ void read_floats(GltfDocument& document, const Accessor& a, float* out) {
 template <glm::length_t N>
 std::vector<glm::vec<N, float>> read_vectors(GltfDocument& document, const JsonRef& use) {
     const Accessor a = open_accessor(document, use);
-    if (a.components != static_cast<uint32_t>(N)) use.fail(fmt::format("has {} components in {}, expected VEC{}", a.components, a.json.path(), N));
+    if (a.components != static_cast<uint32_t>(N))
+        use.fail(fmt::format("has {} components in {}, expected VEC{}", a.components, a.json.path(), N));
     document.files().charge(a.count * sizeof(glm::vec<N, float>), a.json.where());
     std::vector<glm::vec<N, float>> out(a.count, glm::vec<N, float>(0.0f));
     if (!out.empty()) read_floats(document, a, &out[0][0]);
@@ -178,13 +190,15 @@ std::vector<glm::vec4> read_colors(GltfDocument& document, const JsonRef& use) {
     read_floats(document, a, floats.data());
     std::vector<glm::vec4> out(a.count, glm::vec4(1.0f));
     for (uint64_t i = 0; i < a.count; ++i)
-        for (uint32_t c = 0; c < a.components; ++c) out[i][static_cast<glm::length_t>(c)] = glm::clamp(floats[i * a.components + c], 0.0f, 1.0f);
+        for (uint32_t c = 0; c < a.components; ++c)
+            out[i][static_cast<glm::length_t>(c)] = glm::clamp(floats[i * a.components + c], 0.0f, 1.0f);
     return out;
 }
 
 std::vector<uint32_t> read_indices(GltfDocument& document, const JsonRef& use, uint64_t vertex_count) {
     const Accessor a = open_accessor(document, use);
-    if (a.components != 1 || !unsigned_type(a.type) || a.normalized) use.fail(fmt::format("{} is not a SCALAR of unsigned integers", a.json.path()));
+    if (a.components != 1 || !unsigned_type(a.type) || a.normalized)
+        use.fail(fmt::format("{} is not a SCALAR of unsigned integers", a.json.path()));
     document.files().charge(a.count * sizeof(uint32_t), a.json.where());
     std::vector<uint32_t> out(a.count);
     if (a.data != nullptr) out = read_integers(a.data, a.type, a.stride, a.count);

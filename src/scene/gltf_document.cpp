@@ -12,13 +12,13 @@ namespace {
 
 // Extensions that change the picture as they should.
 constexpr std::array<std::string_view, 8> kDrawn = {
-    "KHR_lights_punctual", "KHR_texture_transform",    "KHR_materials_emissive_strength", "KHR_materials_unlit",
-    "KHR_materials_ior",   "KHR_materials_specular",   "KHR_mesh_quantization",           "KHR_materials_transmission",
+    "KHR_lights_punctual", "KHR_texture_transform",  "KHR_materials_emissive_strength", "KHR_materials_unlit",
+    "KHR_materials_ior",   "KHR_materials_specular", "KHR_mesh_quantization",           "KHR_materials_transmission",
 };
 // Extensions that a scene can be shown without: what they add to the picture is missing, the rest is right.
 constexpr std::array<std::string_view, 9> kShownWithout = {
-    "KHR_materials_volume",      "KHR_materials_clearcoat",  "KHR_materials_sheen",    "KHR_materials_anisotropy", "KHR_materials_iridescence",
-    "KHR_materials_dispersion",  "KHR_materials_variants",   "KHR_animation_pointer",  "KHR_xmp_json_ld",
+    "KHR_materials_volume",     "KHR_materials_clearcoat", "KHR_materials_sheen",   "KHR_materials_anisotropy", "KHR_materials_iridescence",
+    "KHR_materials_dispersion", "KHR_materials_variants",  "KHR_animation_pointer", "KHR_xmp_json_ld",
 };
 
 constexpr uint32_t kGlbMagic = 0x46546C67u, kJsonChunk = 0x4E4F534Au, kBinaryChunk = 0x004E4942u;
@@ -56,12 +56,15 @@ GltfDocument::GltfDocument(SceneFiles& files, std::span<const std::byte> file, s
 
 // glTF 2.0, 4: a header of 12 bytes, then chunks of {length, type, data}; the first is JSON, the second may be binary.
 std::string_view GltfDocument::read_container(std::span<const std::byte> file) {
-    const auto fail = [&](std::string what, std::string hint = {}) { throw Error(ErrorCode::Failed, std::move(what), name_, std::move(hint)); };
+    const auto fail = [&](std::string what, std::string hint = {}) {
+        throw Error(ErrorCode::Failed, std::move(what), name_, std::move(hint));
+    };
     if (file.size() < 4) fail("is too short to be a glTF file");
     if (read_u32(file, 0) != kGlbMagic) return as_text(file);
     const std::string cut = "the file is cut off or damaged: copy it again";
     if (file.size() < 20) fail("its GLB header is cut off", cut);
-    if (const uint32_t version = read_u32(file, 4); version != 2) fail(fmt::format("is a GLB of version {}; only version 2 is read", version));
+    if (const uint32_t version = read_u32(file, 4); version != 2)
+        fail(fmt::format("is a GLB of version {}; only version 2 is read", version));
     const uint64_t length = read_u32(file, 8);
     if (length > file.size()) fail(fmt::format("its GLB header promises {} bytes, the file has {}", length, file.size()), cut);
     if (length < file.size()) warn(fmt::format("{} bytes follow the end of the GLB data", file.size() - length));
@@ -71,7 +74,8 @@ std::string_view GltfDocument::read_container(std::span<const std::byte> file) {
         if (length - at < 8) fail("its last GLB chunk header is cut off", cut);
         const uint64_t size = read_u32(file, at);
         const uint32_t type = read_u32(file, at + 4);
-        if (size > length - at - 8) fail(fmt::format("GLB chunk {} has {} bytes, the file ends after {}", chunk_index, size, length - at - 8), cut);
+        if (size > length - at - 8)
+            fail(fmt::format("GLB chunk {} has {} bytes, the file ends after {}", chunk_index, size, length - at - 8), cut);
         const std::span<const std::byte> data = file.subspan(at + 8, size);
         if (chunk_index == 0 && type != kJsonChunk) fail("its first GLB chunk is not JSON");
         if (chunk_index == 0) text = as_text(data);
@@ -91,7 +95,8 @@ void GltfDocument::check_version() const {
         return text[0] - '0';
     };
     const JsonRef version = asset.at("version");
-    if (const int number = major(version); number != 2) version.fail(fmt::format("is glTF {}; only glTF 2 is read", escape_name(version.as_string(), 20)), "export it as glTF 2.0");
+    if (const int number = major(version); number != 2)
+        version.fail(fmt::format("is glTF {}; only glTF 2 is read", escape_name(version.as_string(), 20)), "export it as glTF 2.0");
     const std::optional<JsonRef> minimum = asset.find("minVersion");
     if (minimum && (major(*minimum) != 2 || minimum->as_string() != "2.0"))
         minimum->fail(fmt::format("asks for glTF {}; glTF 2.0 is read", escape_name(minimum->as_string(), 20)));
@@ -102,8 +107,9 @@ void GltfDocument::check_extensions() {
     required_ = string_list(root(), "extensionsRequired");
     for (const std::string& name : required_)
         if (!contains(kDrawn, name) && !contains(kShownWithout, name))
-            root().at("extensionsRequired").fail(fmt::format("needs the extension {}, which is not supported", escape_name(name)),
-                                                 "export the scene without it");
+            root()
+                .at("extensionsRequired")
+                .fail(fmt::format("needs the extension {}, which is not supported", escape_name(name)), "export the scene without it");
     std::set<std::string_view> seen;
     for (const std::string& name : used_) {
         if (contains(kDrawn, name) || !seen.insert(name).second) continue;
@@ -133,7 +139,8 @@ std::span<const std::byte> GltfDocument::buffer(uint32_t index) {
         if (index != 0 || !binary_chunk_) json.fail("has no uri, and the file has no binary chunk for it");
         bytes = *binary_chunk_;
     }
-    if (bytes.size() < length) json.fail(fmt::format("is {} bytes long, but its data has only {}", length, bytes.size()), "the file is cut off");
+    if (bytes.size() < length)
+        json.fail(fmt::format("is {} bytes long, but its data has only {}", length, bytes.size()), "the file is cut off");
     return bytes.first(length);
 }
 

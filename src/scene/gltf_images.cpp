@@ -43,11 +43,17 @@ void decode(Job& job, SceneFiles& files, uint64_t max_bytes) {
     image::DecodeLimits limits;
     limits.max_bytes = std::min(limits.max_bytes, max_bytes);
     switch (const image::Format format = image::detect_format(job.bytes)) {
-        case image::Format::Png: job.decoded = image::decode_png(job.bytes, limits, job.where); break;
-        case image::Format::Jpeg: job.decoded = image::decode_jpeg(job.bytes, limits, job.where); break;
+        case image::Format::Png:
+            job.decoded = image::decode_png(job.bytes, limits, job.where);
+            break;
+        case image::Format::Jpeg:
+            job.decoded = image::decode_jpeg(job.bytes, limits, job.where);
+            break;
         default:
             throw Error(ErrorCode::Failed,
-                        format == image::Format::Unknown ? "is no image of a known format" : fmt::format("is a {} image, which textures cannot be", image::format_name(format)),
+                        format == image::Format::Unknown
+                            ? "is no image of a known format"
+                            : fmt::format("is a {} image, which textures cannot be", image::format_name(format)),
                         job.where, "glTF textures are PNG or JPEG");
     }
     files.charge(job.decoded.rgba.size(), job.where);
@@ -72,7 +78,8 @@ std::map<uint32_t, Handle<Image>> add_images(GltfDocument& document, SceneEdit& 
     std::map<uint32_t, Handle<Image>> out;
     for (Job& job : jobs) {
         if (!job.done) decode(job, files, files.budget_left());
-        out[job.index] = edit.add(Image{.name = std::move(job.name), .width = job.decoded.width, .height = job.decoded.height, .rgba = std::move(job.decoded.rgba)});
+        out[job.index] = edit.add(Image{
+            .name = std::move(job.name), .width = job.decoded.width, .height = job.decoded.height, .rgba = std::move(job.decoded.rgba)});
         job.kept.reset();
     }
     return out;

@@ -17,8 +17,10 @@ JsonShape measure_json(std::string_view text) {
     for (size_t i = 0; i < text.size(); ++i) {
         const char c = text[i];
         if (in_string) {
-            if (c == '\\') ++i;
-            else if (c == '"') in_string = false;
+            if (c == '\\')
+                ++i;
+            else if (c == '"')
+                in_string = false;
         } else if (c == '"') {
             in_string = true;
         } else if (c == '{' || c == '[') {
@@ -34,8 +36,11 @@ JsonShape measure_json(std::string_view text) {
 }
 
 JsonDocument::JsonDocument(std::string_view text, std::string file_name, const JsonLimits& limits) : file_name_(std::move(file_name)) {
-    const auto refuse = [&](std::string what, std::string hint) { throw Error(ErrorCode::Failed, std::move(what), file_name_, std::move(hint)); };
-    if (text.size() > limits.max_bytes) refuse(fmt::format("its JSON is {} bytes long; the limit is {}", text.size(), limits.max_bytes), "keep buffers in .bin or .glb");
+    const auto refuse = [&](std::string what, std::string hint) {
+        throw Error(ErrorCode::Failed, std::move(what), file_name_, std::move(hint));
+    };
+    if (text.size() > limits.max_bytes)
+        refuse(fmt::format("its JSON is {} bytes long; the limit is {}", text.size(), limits.max_bytes), "keep buffers in .bin or .glb");
     shape_ = measure_json(text);
     if (shape_.depth > limits.max_depth)
         refuse(fmt::format("its JSON is nested {} levels deep; the limit is {}", shape_.depth, limits.max_depth), "no glTF needs that");
@@ -59,8 +64,10 @@ std::string JsonRef::path() const {
     std::string out;
     for (size_t i = 0; i < steps_.count; ++i) {
         const auto& [key, index] = steps_.list[i];
-        if (key == nullptr) out += fmt::format("[{}]", index);
-        else out += (out.empty() ? "" : ".") + std::string(key, index);
+        if (key == nullptr)
+            out += fmt::format("[{}]", index);
+        else
+            out += (out.empty() ? "" : ".") + std::string(key, index);
     }
     return out;
 }
@@ -165,7 +172,8 @@ std::string_view JsonRef::as_string() const {
 uint32_t JsonRef::as_index_of(std::string_view table) const {
     const size_t count = document_->root().array_size(table);
     const uint64_t index = as_uint(0xFFFFFFFFull);
-    if (index >= count) fail(fmt::format("names {}[{}], but the file has {}", table, index, count == 0 ? "none" : fmt::format("only {}", count)));
+    if (index >= count)
+        fail(fmt::format("names {}[{}], but the file has {}", table, index, count == 0 ? "none" : fmt::format("only {}", count)));
     return static_cast<uint32_t>(index);
 }
 

@@ -70,8 +70,8 @@ public:
     size_t array_size(std::string_view key) const;
 
     // The value itself.
-    double as_number() const;                     // finite
-    uint64_t as_uint(uint64_t max) const;         // a whole number in [0, max]; 3.0 is 3
+    double as_number() const;              // finite
+    uint64_t as_uint(uint64_t max) const;  // a whole number in [0, max]; 3.0 is 3
     bool as_bool() const;
     std::string_view as_string() const;
     // An index into the root's array `table`.
@@ -90,7 +90,7 @@ public:
         for (glm::length_t i = 0; i < N; ++i) fallback[i] = (*array)[static_cast<size_t>(i)].as_float();
         return fallback;
     }
-    float as_float() const;  // finite as a float too
+    float as_float() const;                    // finite as a float too
     void require_numbers(size_t count) const;  // an array of `count`
 
 private:

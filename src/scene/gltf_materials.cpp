@@ -26,14 +26,16 @@ std::optional<TextureInfo> find_texture_info(const JsonRef& owner, std::string_v
     uint64_t uv_set = json->uint("texCoord", 0, 0xFFFF);
     if (info.transform) uv_set = info.transform->uint("texCoord", uv_set, 0xFFFF);
     if (uv_set > 1) {
-        if (warn_to != nullptr) warn_to->warn(*json, fmt::format("uses TEXCOORD_{}; only sets 0 and 1 are drawn, the texture is left out", uv_set));
+        if (warn_to != nullptr)
+            warn_to->warn(*json, fmt::format("uses TEXCOORD_{}; only sets 0 and 1 are drawn, the texture is left out", uv_set));
         return std::nullopt;
     }
     info.uv_set = static_cast<uint32_t>(uv_set);
     return info;
 }
 
-TextureRef read_texture_ref(GltfDocument& document, const JsonRef& owner, std::string_view key, ColorSpace space, const TextureLookup& lookup) {
+TextureRef read_texture_ref(GltfDocument& document, const JsonRef& owner, std::string_view key, ColorSpace space,
+                            const TextureLookup& lookup) {
     TextureRef ref;
     const std::optional<TextureInfo> info = find_texture_info(owner, key, &document);
     if (!info) return ref;
@@ -112,10 +114,15 @@ Material read_material(GltfDocument& document, const JsonRef& json, const Textur
 
 Wrap read_wrap(GltfDocument& document, const JsonRef& json, std::string_view key) {
     switch (const uint64_t value = json.uint(key, 10497, 0xFFFF)) {
-        case 33071: return Wrap::ClampToEdge;
-        case 33648: return Wrap::MirroredRepeat;
-        case 10497: return Wrap::Repeat;
-        default: document.warn(json, fmt::format("{} {} is unknown and taken as REPEAT", key, value)); return Wrap::Repeat;
+        case 33071:
+            return Wrap::ClampToEdge;
+        case 33648:
+            return Wrap::MirroredRepeat;
+        case 10497:
+            return Wrap::Repeat;
+        default:
+            document.warn(json, fmt::format("{} {} is unknown and taken as REPEAT", key, value));
+            return Wrap::Repeat;
     }
 }
 
@@ -124,16 +131,30 @@ Sampler read_sampler(GltfDocument& document, const JsonRef& json) {
     sampler.wrap_u = read_wrap(document, json, "wrapS");
     sampler.wrap_v = read_wrap(document, json, "wrapT");
     const uint64_t mag = json.uint("magFilter", 9729, 0xFFFF);
-    if (mag == 9728) sampler.mag = Filter::Nearest;
-    else if (mag != 9729) document.warn(json, fmt::format("magFilter {} is unknown and taken as LINEAR", mag));
+    if (mag == 9728)
+        sampler.mag = Filter::Nearest;
+    else if (mag != 9729)
+        document.warn(json, fmt::format("magFilter {} is unknown and taken as LINEAR", mag));
     switch (const uint64_t min = json.uint("minFilter", 9987, 0xFFFF)) {
-        case 9728: sampler.min = Filter::Nearest, sampler.mip.reset(); break;
-        case 9729: sampler.min = Filter::Linear, sampler.mip.reset(); break;
-        case 9984: sampler.min = Filter::Nearest, sampler.mip = Filter::Nearest; break;
-        case 9985: sampler.min = Filter::Linear, sampler.mip = Filter::Nearest; break;
-        case 9986: sampler.min = Filter::Nearest, sampler.mip = Filter::Linear; break;
-        case 9987: break;
-        default: document.warn(json, fmt::format("minFilter {} is unknown and taken as LINEAR_MIPMAP_LINEAR", min));
+        case 9728:
+            sampler.min = Filter::Nearest, sampler.mip.reset();
+            break;
+        case 9729:
+            sampler.min = Filter::Linear, sampler.mip.reset();
+            break;
+        case 9984:
+            sampler.min = Filter::Nearest, sampler.mip = Filter::Nearest;
+            break;
+        case 9985:
+            sampler.min = Filter::Linear, sampler.mip = Filter::Nearest;
+            break;
+        case 9986:
+            sampler.min = Filter::Nearest, sampler.mip = Filter::Linear;
+            break;
+        case 9987:
+            break;
+        default:
+            document.warn(json, fmt::format("minFilter {} is unknown and taken as LINEAR_MIPMAP_LINEAR", min));
     }
     return sampler;
 }
@@ -159,7 +180,8 @@ std::map<TextureKey, Handle<Texture>> add_textures(GltfDocument& document, Scene
         const std::optional<uint32_t> image = image_of(document, json);
         if (!image) continue;
         Texture texture{.name = json.string("name"), .image = images.at(*image), .color_space = key.second};
-        if (const std::optional<JsonRef> sampler = json.find("sampler")) texture.sampler = read_sampler(document, document.entry("samplers", *sampler));
+        if (const std::optional<JsonRef> sampler = json.find("sampler"))
+            texture.sampler = read_sampler(document, document.entry("samplers", *sampler));
         out[key] = edit.add(std::move(texture));
     }
     return out;

@@ -34,15 +34,25 @@ std::vector<glm::uvec3> assemble(Mode mode, uint64_t count, Corner&& corner) {
     } else {
         out.reserve(count > 2 ? count - 2 : 0);
         for (uint64_t i = 0; i + 2 < count; ++i)
-            if (mode == Mode::Strip) add(i, i + 1 + i % 2, i + 2 - i % 2);
-            else add(i + 1, i + 2, 0);
+            if (mode == Mode::Strip)
+                add(i, i + 1 + i % 2, i + 2 - i % 2);
+            else
+                add(i + 1, i + 2, 0);
     }
     return out;
 }
 
 template <class V>
 void require_count(const JsonRef& attribute, const std::vector<V>& values, size_t vertex_count) {
-    if (values.size() != vertex_count) attribute.fail(fmt::format("has {} elements, but there are {} positions", values.size(), vertex_count));
+    if (values.size() != vertex_count)
+        attribute.fail(fmt::format("has {} elements, but there are {} positions", values.size(), vertex_count));
+}
+
+void check_reach(const JsonRef& use, const std::vector<glm::vec3>& positions) {
+    for (size_t i = 0; i < positions.size(); ++i)
+        for (int axis = 0; axis < 3; ++axis)
+            if (!(std::abs(positions[i][axis]) <= kLargestCoordinate))
+                use.fail(fmt::format("position {} is beyond {:g} metres", i, kLargestCoordinate), "the file is damaged: export it again");
 }
 
 void read_normals(GltfDocument& document, const JsonRef& attributes, Primitive& out) {
@@ -148,6 +158,7 @@ Mesh read_mesh(GltfDocument& document, const JsonRef& json, const MaterialHandle
         }
         Primitive primitive;
         primitive.positions = read_vectors<3>(document, *positions);
+        check_reach(*positions, primitive.positions);
         if (!read_triangles(document, primitive_json, primitive)) continue;
         read_attributes(document, attributes, primitive);
         const std::optional<uint32_t> material = material_of(primitive_json);

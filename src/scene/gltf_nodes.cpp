@@ -18,7 +18,8 @@ std::vector<uint32_t> find_parents(const JsonRef& root, uint32_t node_count) {
         const std::optional<JsonRef> children = (*nodes)[n].find_array("children");
         for (size_t i = 0; children && i < children->size(); ++i) {
             const uint32_t child = (*children)[i].as_index_of("nodes");
-            if (parents[child] != kNone) (*children)[i].fail(fmt::format("node {} is a child of node {} already", child, parents[child]), "a node has one parent");
+            if (parents[child] != kNone)
+                (*children)[i].fail(fmt::format("node {} is a child of node {} already", child, parents[child]), "a node has one parent");
             if (child == n) (*children)[i].fail(fmt::format("node {} is its own child", n));
             parents[child] = n;
         }
@@ -35,7 +36,8 @@ void check_no_cycles(const JsonRef& root, const std::vector<uint32_t>& parents) 
             seen[at] = start + 1;
             at = parents[at];
         }
-        if (at != kNone && seen[at] == start + 1) root.at("nodes")[at].fail("is among its own descendants", "the node hierarchy has a cycle");
+        if (at != kNone && seen[at] == start + 1)
+            root.at("nodes")[at].fail("is among its own descendants", "the node hierarchy has a cycle");
     }
 }
 
@@ -169,7 +171,8 @@ Light read_light(GltfDocument& document, const JsonRef& json) {
         }
         constexpr float kHalfPi = 1.5707964f;
         if (!(light.inner_cone >= 0.0f && light.inner_cone <= light.outer_cone && light.outer_cone <= kHalfPi && light.outer_cone > 0.0f))
-            json.fail(fmt::format("its cone angles {} and {} are out of order", light.inner_cone, light.outer_cone), "0 <= inner <= outer <= pi/2");
+            json.fail(fmt::format("its cone angles {} and {} are out of order", light.inner_cone, light.outer_cone),
+                      "0 <= inner <= outer <= pi/2");
         if (light.inner_cone == light.outer_cone) document.warn(json, "its inner and outer cone angles are equal");
     } else {
         type.fail(fmt::format("'{}' is no kind of light", escape_name(type.as_string(), 20)), "directional, point or spot");

@@ -8,8 +8,8 @@
 namespace parhelion {
 
 struct GltfNode {
-    uint32_t index;                    // in the file
-    uint32_t parent;                   // in this list; kNoParent for roots
+    uint32_t index;   // in the file
+    uint32_t parent;  // in this list; kNoParent for roots
     static constexpr uint32_t kNoParent = 0xFFFFFFFFu;
 };
 

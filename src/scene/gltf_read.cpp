@@ -37,8 +37,10 @@ private:
         bool needs_default = false;
         for (const uint32_t mesh : meshes)
             for (const std::optional<uint32_t> material : materials_of(document_.root().at("meshes")[mesh]))
-                if (material) materials.insert(*material);
-                else needs_default = true;
+                if (material)
+                    materials.insert(*material);
+                else
+                    needs_default = true;
         const MaterialHandles handles = add_materials(document_, edit_, materials, needs_default);
         for (const uint32_t index : meshes) {
             Mesh mesh = read_mesh(document_, document_.root().at("meshes")[index], handles, {.median_order = options_.median_order});
@@ -68,7 +70,8 @@ private:
     static void check_reach(const JsonRef& json, const glm::dmat4& world) {
         for (int column = 0; column < 4; ++column)
             for (int row = 0; row < 4; ++row)
-                if (!(std::abs(world[column][row]) < 1e30)) json.fail("its place in the world is beyond all numbers", "look at the scales of its parents");
+                if (!(std::abs(world[column][row]) <= kLargestCoordinate))
+                    json.fail("its place in the world is beyond all measure", "look at the scales of its parents");
     }
 
     void add_contents(const JsonRef& json, Handle<Node> node) {

@@ -88,7 +88,8 @@ private:
 
     [[noreturn]] static void fail_stale(Handle<T> handle) {
         throw Error(ErrorCode::Failed, fmt::format("stale handle: slot {} generation {} holds nothing", handle.index, handle.generation),
-                    std::string(T::kTypeName), handle.pending() ? "handles from SceneEdit::add last after ChangeSet::resolve" : "it was removed");
+                    std::string(T::kTypeName),
+                    handle.pending() ? "handles from SceneEdit::add last after ChangeSet::resolve" : "it was removed");
     }
     T& change(Handle<T> handle) { return const_cast<T&>(get(handle)); }
     Handle<T> insert(T value) {
@@ -116,5 +117,7 @@ private:
 
 template <class T>
 struct std::hash<parhelion::Handle<T>> {
-    size_t operator()(const parhelion::Handle<T>& h) const noexcept { return std::hash<uint64_t>{}(uint64_t(h.generation) << 32 | h.index); }
+    size_t operator()(const parhelion::Handle<T>& h) const noexcept {
+        return std::hash<uint64_t>{}(uint64_t(h.generation) << 32 | h.index);
+    }
 };

@@ -6,7 +6,8 @@ namespace {
 
 uint64_t bytes_of(const Primitive& p) {
     return p.positions.size() * sizeof(glm::vec3) + p.normals.size() * sizeof(glm::vec3) + p.tangents.size() * sizeof(glm::vec4) +
-           (p.uv0.size() + p.uv1.size()) * sizeof(glm::vec2) + p.colors.size() * sizeof(glm::vec4) + p.triangles.size() * sizeof(glm::uvec3);
+           (p.uv0.size() + p.uv1.size()) * sizeof(glm::vec2) + p.colors.size() * sizeof(glm::vec4) +
+           p.triangles.size() * sizeof(glm::uvec3);
 }
 
 void describe_geometry(const Scene& scene, SceneInfo& info) {
@@ -79,25 +80,27 @@ std::string format_info(const SceneInfo& info) {
     const auto line = [&](std::string_view label, const std::string& text) { out += fmt::format("  {:<12} {}\n", label, text); };
     if (!info.generator.empty()) line("generator", escape_name(info.generator));
     if (!info.copyright.empty()) line("copyright", escape_name(info.copyright));
-    line("geometry", fmt::format("{} triangles and {} vertices in {} meshes ({} primitives)", info.triangles, info.vertices, info.meshes, info.primitives));
+    line("geometry", fmt::format("{} triangles and {} vertices in {} meshes ({} primitives)", info.triangles, info.vertices, info.meshes,
+                                 info.primitives));
     line("placed", fmt::format("{} triangles in {} instances, {} nodes", info.instanced_triangles, info.instances, info.nodes));
     line("materials", fmt::format("{} with {} textures of {} images", info.materials, info.textures.size(), info.images));
     for (const TextureInfoRow& t : info.textures)
-        line("", fmt::format("{}x{} {} '{}'", t.width, t.height, t.color_space == ColorSpace::Srgb ? "sRGB" : "linear", escape_name(t.name)));
-    line("lights", fmt::format("{} emissive geometries with {} triangles, {} punctual, environment {}", info.emitters, info.emissive_triangles,
-                               info.lights.size(), info.environment ? "yes" : "no"));
+        line("",
+             fmt::format("{}x{} {} '{}'", t.width, t.height, t.color_space == ColorSpace::Srgb ? "sRGB" : "linear", escape_name(t.name)));
+    line("lights", fmt::format("{} emissive geometries with {} triangles, {} punctual, environment {}", info.emitters,
+                               info.emissive_triangles, info.lights.size(), info.environment ? "yes" : "no"));
     for (const LightInfoRow& l : info.lights)
-        line("", fmt::format("{} '{}' ({:g}, {:g}, {:g}) {}", light_kind_name(l.kind), escape_name(l.name), l.intensity.x, l.intensity.y, l.intensity.z,
-                             l.kind == LightKind::Directional ? "lux" : "candela"));
+        line("", fmt::format("{} '{}' ({:g}, {:g}, {:g}) {}", light_kind_name(l.kind), escape_name(l.name), l.intensity.x, l.intensity.y,
+                             l.intensity.z, l.kind == LightKind::Directional ? "lux" : "candela"));
     line("cameras", list(info.cameras));
     if (!info.scripted_edits.empty()) line("animate", list(info.scripted_edits));
     if (info.animations + info.skins + info.morphed_meshes != 0)
         line("animation", fmt::format("{} animations, {} skins, {} morphed meshes", info.animations, info.skins, info.morphed_meshes));
     if (!info.bounds.empty())
-        line("bounds", fmt::format("({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g}) metres", info.bounds.min.x, info.bounds.min.y, info.bounds.min.z,
-                                   info.bounds.max.x, info.bounds.max.y, info.bounds.max.z));
-    line("memory", fmt::format("{:.1f} MiB geometry, {:.1f} MiB images; files {:.1f} MiB", mebibytes(info.geometry_bytes), mebibytes(info.image_bytes),
-                               mebibytes(info.file_bytes)));
+        line("bounds", fmt::format("({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g}) metres", info.bounds.min.x, info.bounds.min.y,
+                                   info.bounds.min.z, info.bounds.max.x, info.bounds.max.y, info.bounds.max.z));
+    line("memory", fmt::format("{:.1f} MiB geometry, {:.1f} MiB images; files {:.1f} MiB", mebibytes(info.geometry_bytes),
+                               mebibytes(info.image_bytes), mebibytes(info.file_bytes)));
     if (!info.extensions_used.empty()) line("extensions", list(info.extensions_used));
     if (!info.extensions_not_drawn.empty()) line("not drawn", list(info.extensions_not_drawn));
     for (const std::string& warning : info.warnings) line("warning", escape_name(warning, 400));

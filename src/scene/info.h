@@ -22,18 +22,18 @@ struct LightInfoRow {
 struct SceneInfo {
     std::string name, generator, copyright;
     size_t nodes = 0, meshes = 0, primitives = 0, instances = 0, materials = 0, images = 0;
-    uint64_t triangles = 0, vertices = 0;      // of all meshes, each counted once
-    uint64_t instanced_triangles = 0;          // as often as they are placed
+    uint64_t triangles = 0, vertices = 0;  // of all meshes, each counted once
+    uint64_t instanced_triangles = 0;      // as often as they are placed
     std::vector<TextureInfoRow> textures;
     std::vector<LightInfoRow> lights;
-    uint64_t emitters = 0;                     // emissive mesh instances by geometry
-    uint64_t emissive_triangles = 0;           // instanced
-    bool environment = false;                  // not black
-    std::vector<std::string> cameras;          // names, in the order of their indices
-    std::vector<std::string> scripted_edits;   // "name: what it does"
+    uint64_t emitters = 0;                    // emissive mesh instances by geometry
+    uint64_t emissive_triangles = 0;          // instanced
+    bool environment = false;                 // not black
+    std::vector<std::string> cameras;         // names, in the order of their indices
+    std::vector<std::string> scripted_edits;  // "name: what it does"
     uint32_t animations = 0, skins = 0, morphed_meshes = 0;
     std::vector<std::string> extensions_used, extensions_not_drawn, warnings;
-    Bounds bounds;                             // world
+    Bounds bounds;                                                 // world
     uint64_t geometry_bytes = 0, image_bytes = 0, file_bytes = 0;  // in memory on the host; of the files
 };
 

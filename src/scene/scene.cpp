@@ -7,7 +7,8 @@ namespace parhelion {
 glm::mat3 uv_transform(const TextureRef& ref) {
     // Counter-clockwise as seen, with v pointing down: u turns towards -v.
     const float c = std::cos(ref.rotation), s = std::sin(ref.rotation);
-    return {glm::vec3(c * ref.scale.x, -s * ref.scale.x, 0.0f), glm::vec3(s * ref.scale.y, c * ref.scale.y, 0.0f), glm::vec3(ref.offset, 1.0f)};
+    return {glm::vec3(c * ref.scale.x, -s * ref.scale.x, 0.0f), glm::vec3(s * ref.scale.y, c * ref.scale.y, 0.0f),
+            glm::vec3(ref.offset, 1.0f)};
 }
 
 glm::mat4 matrix_of(const Transform& transform) {
@@ -35,21 +36,37 @@ bool drawable(const glm::mat4& world_from_object) {
 }
 
 template <>
-ChangeSet::Changed<Image>& ChangeSet::of<Image>() { return images; }
+ChangeSet::Changed<Image>& ChangeSet::of<Image>() {
+    return images;
+}
 template <>
-ChangeSet::Changed<Texture>& ChangeSet::of<Texture>() { return textures; }
+ChangeSet::Changed<Texture>& ChangeSet::of<Texture>() {
+    return textures;
+}
 template <>
-ChangeSet::Changed<Material>& ChangeSet::of<Material>() { return materials; }
+ChangeSet::Changed<Material>& ChangeSet::of<Material>() {
+    return materials;
+}
 template <>
-ChangeSet::Changed<Mesh>& ChangeSet::of<Mesh>() { return meshes; }
+ChangeSet::Changed<Mesh>& ChangeSet::of<Mesh>() {
+    return meshes;
+}
 template <>
-ChangeSet::Changed<Node>& ChangeSet::of<Node>() { return nodes; }
+ChangeSet::Changed<Node>& ChangeSet::of<Node>() {
+    return nodes;
+}
 template <>
-ChangeSet::Changed<Instance>& ChangeSet::of<Instance>() { return instances; }
+ChangeSet::Changed<Instance>& ChangeSet::of<Instance>() {
+    return instances;
+}
 template <>
-ChangeSet::Changed<Light>& ChangeSet::of<Light>() { return lights; }
+ChangeSet::Changed<Light>& ChangeSet::of<Light>() {
+    return lights;
+}
 template <>
-ChangeSet::Changed<Camera>& ChangeSet::of<Camera>() { return cameras; }
+ChangeSet::Changed<Camera>& ChangeSet::of<Camera>() {
+    return cameras;
+}
 
 Bounds Scene::bounds() const {
     Bounds world;

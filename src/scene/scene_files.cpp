@@ -26,7 +26,8 @@ int hex_digit(char c) {
 
 bool starts_with_ignoring_case(std::string_view text, std::string_view lower) {
     if (text.size() < lower.size()) return false;
-    return std::equal(lower.begin(), lower.end(), text.begin(), [](char a, char b) { return a == (b >= 'A' && b <= 'Z' ? b + ('a' - 'A') : b); });
+    return std::equal(lower.begin(), lower.end(), text.begin(),
+                      [](char a, char b) { return a == (b >= 'A' && b <= 'Z' ? b + ('a' - 'A') : b); });
 }
 
 // RFC 3986: a letter, then letters, digits, "+", "-", ".", up to a colon that comes before any slash.
@@ -98,7 +99,8 @@ std::vector<std::byte> decode_data_uri(std::string_view uri, std::string_view wh
     const std::string_view payload = uri.substr(comma + 1);
     constexpr std::string_view kBase64 = ";base64";
     const std::string_view head = uri.substr(0, comma);
-    if (head.size() >= kBase64.size() && starts_with_ignoring_case(head.substr(head.size() - kBase64.size()), kBase64)) return decode_base64(payload, where);
+    if (head.size() >= kBase64.size() && starts_with_ignoring_case(head.substr(head.size() - kBase64.size()), kBase64))
+        return decode_base64(payload, where);
     const std::string text = percent_decode(payload);
     const auto* bytes = reinterpret_cast<const std::byte*>(text.data());
     return {bytes, bytes + text.size()};
@@ -118,7 +120,8 @@ uint64_t SceneFiles::budget_left() const {
 
 void SceneFiles::charge(uint64_t bytes, std::string_view where) {
     if (bytes > budget_left())
-        fail(where, fmt::format("would take {} MiB more memory; the budget for this scene has {} MiB left", bytes >> 20, budget_left() >> 20),
+        fail(where,
+             fmt::format("would take {} MiB more memory; the budget for this scene has {} MiB left", bytes >> 20, budget_left() >> 20),
              "files of this size do not need that much: the file is damaged or hostile");
     charged_ += bytes;
 }
@@ -139,7 +142,9 @@ SceneFiles::Bytes SceneFiles::read_main(const fs::path& path) { return read_coun
 fs::path SceneFiles::resolve(std::string_view uri, std::string_view where) const {
     const std::string shown = escape_name(uri, 100);
     if (root_.empty()) fail(where, fmt::format("names the file '{}', but a scene in memory has no folder", shown));
-    if (has_protocol(uri)) fail(where, fmt::format("the URI '{}' names a protocol; only files beside the scene are read", shown), "download the file and name it relatively");
+    if (has_protocol(uri))
+        fail(where, fmt::format("the URI '{}' names a protocol; only files beside the scene are read", shown),
+             "download the file and name it relatively");
     std::string decoded = percent_decode(uri);
     std::replace(decoded.begin(), decoded.end(), '\\', '/');
     if (decoded.empty()) fail(where, "has an empty URI");

@@ -15,10 +15,10 @@
 namespace parhelion {
 
 struct SceneFileLimits {
-    bool allow_external = false;                  // lets URIs leave the folder; protocols stay refused
-    uint64_t max_file_bytes = 64ull << 30;        // of one file
-    uint64_t budget_base_bytes = 1ull << 30;      // the memory budget is base + factor x bytes of all files read:
-    uint64_t budget_factor = 64;                  // what compression and sparse data may legally unfold to, and no more
+    bool allow_external = false;              // lets URIs leave the folder; protocols stay refused
+    uint64_t max_file_bytes = 64ull << 30;    // of one file
+    uint64_t budget_base_bytes = 1ull << 30;  // the memory budget is base + factor x bytes of all files read:
+    uint64_t budget_factor = 64;              // what compression and sparse data may legally unfold to, and no more
 };
 
 class SceneFiles {

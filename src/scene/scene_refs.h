@@ -13,7 +13,8 @@ void visit_refs(Texture& texture, V&& visit) {
 }
 template <class V>
 void visit_refs(Material& material, V&& visit) {
-    for (TextureRef* ref : {&material.base_color_texture, &material.metal_rough_texture, &material.normal_texture, &material.emissive_texture})
+    for (TextureRef* ref :
+         {&material.base_color_texture, &material.metal_rough_texture, &material.normal_texture, &material.emissive_texture})
         visit(ref->texture, false);
 }
 template <class V>

@@ -9,7 +9,8 @@ namespace parhelion {
 // Adds the parallelogram corner, corner + u, corner + u + v, corner + v; its front is where cross(u, v) points. Flat: no normals.
 void add_quad(Primitive& primitive, glm::vec3 corner, glm::vec3 u, glm::vec3 v);
 // The same with UVs (u along `u`, v against `v`, so that an image stands upright), normals and tangents, in steps x steps cells.
-void add_textured_quad(Primitive& primitive, glm::vec3 corner, glm::vec3 u, glm::vec3 v, glm::vec2 uv_scale = glm::vec2(1.0f), uint32_t steps = 1);
+void add_textured_quad(Primitive& primitive, glm::vec3 corner, glm::vec3 u, glm::vec3 v, glm::vec2 uv_scale = glm::vec2(1.0f),
+                       uint32_t steps = 1);
 
 // The six faces of an axis-aligned box, flat; facing out, or in for a room.
 enum class Facing { Out, In };

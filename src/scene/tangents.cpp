@@ -132,7 +132,9 @@ void generate_tangents(Primitive& primitive, uint32_t uv_set) {
     std::vector<uint32_t> sources(vertex_count), split(vertex_count, kNoGroup);
     for (uint32_t i = 0; i < vertex_count; ++i) sources[i] = i;
     std::vector<glm::vec4> tangents(vertex_count, glm::vec4(0.0f, 0.0f, 0.0f, 1.0f));
-    const auto tangent_of = [&](uint32_t group, bool mirrored) { return glm::vec4(glm::vec3(unit_or_zero(sums.sum(group))), mirrored ? -1.0f : 1.0f); };
+    const auto tangent_of = [&](uint32_t group, bool mirrored) {
+        return glm::vec4(glm::vec3(unit_or_zero(sums.sum(group))), mirrored ? -1.0f : 1.0f);
+    };
     for (size_t i = 0; i < primitive.triangles.size(); ++i) {
         const bool mirrored = triangle_mirrored[i] != 0;
         for (int corner = 0; corner < 3; ++corner) {

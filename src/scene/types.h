@@ -23,8 +23,11 @@ struct Instance;
 struct Light;
 struct Camera;
 
+// No coordinate of a scene is larger, so that products of two (areas, squared distances) stay within float. Metres.
+constexpr float kLargestCoordinate = 1e18f;
+
 struct Bounds {
-    glm::vec3 min{1e30f}, max{-1e30f};  // empty until something is added
+    glm::vec3 min{2.0f * kLargestCoordinate}, max{-2.0f * kLargestCoordinate};  // empty until something is added
     bool empty() const { return !(min.x <= max.x); }
     glm::vec3 center() const { return 0.5f * (min + max); }
     float diagonal() const { return empty() ? 0.0f : glm::length(max - min); }
@@ -91,8 +94,8 @@ struct Material {
     AlphaMode alpha_mode = AlphaMode::Opaque;
     float alpha_cutoff = 0.5f;
     bool double_sided = false;
-    bool unlit = false;  // KHR_materials_unlit
-    float ior = 1.5f;    // KHR_materials_ior
+    bool unlit = false;         // KHR_materials_unlit
+    float ior = 1.5f;           // KHR_materials_ior
     float specular = 1.0f;      // KHR_materials_specular; 0 with metallic 0: pure Lambert
     float transmission = 0.0f;  // KHR_materials_transmission
 };
@@ -172,8 +175,8 @@ struct Light {
     std::string name;
     LightKind kind = LightKind::Point;
     glm::vec3 color{1.0f};
-    float intensity = 1.0f;  // directional: lux on a surface that faces it; point, spot: candela
-    float range = 0.0f;      // metres; 0: infinite
+    float intensity = 1.0f;                             // directional: lux on a surface that faces it; point, spot: candela
+    float range = 0.0f;                                 // metres; 0: infinite
     float inner_cone = 0.0f, outer_cone = 0.78539816f;  // spot: half angles
     float angular_radius = 0.0f;                        // directional: 0 is a delta light
     Placement place;
@@ -186,10 +189,10 @@ struct Camera {
     static constexpr std::string_view kTypeName = "camera";
     std::string name;
     CameraKind kind = CameraKind::Perspective;
-    float yfov = 0.8f;                // perspective: full vertical angle
-    float xmag = 1.0f, ymag = 1.0f;   // orthographic: half extents in metres
-    float near_plane = 0.01f;         // for depth values; rays start at the camera
-    std::optional<float> far_plane;   // none: infinite
+    float yfov = 0.8f;               // perspective: full vertical angle
+    float xmag = 1.0f, ymag = 1.0f;  // orthographic: half extents in metres
+    float near_plane = 0.01f;        // for depth values; rays start at the camera
+    std::optional<float> far_plane;  // none: infinite
     Placement place;
 };
 

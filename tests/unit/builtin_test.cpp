@@ -105,7 +105,8 @@ TEST(Builtin, cornell_is_lambert_with_one_lamp_and_open_only_to_the_front) {
     }
     // Walls and lamp together enclose the room but for the front (z = 1), whose share of the volume integral is 4 / 3.
     double volume = 0.0;
-    for (const char* part : {"walls", "left wall", "right wall", "lamp"}) volume += signed_volume(mesh_named(cornell.scene, part).primitives[0]);
+    for (const char* part : {"walls", "left wall", "right wall", "lamp"})
+        volume += signed_volume(mesh_named(cornell.scene, part).primitives[0]);
     EXPECT_NEAR(volume, -8.0 + 4.0 / 3.0, 1e-5);
     EXPECT_TRUE(closed(mesh_named(cornell.scene, "cube").primitives[0]));
     EXPECT_NEAR(signed_volume(mesh_named(cornell.scene, "cube").primitives[0]), 1.0, 1e-6);
@@ -167,7 +168,8 @@ TEST(Builtin, textured_holds_what_real_assets_bring) {
     EXPECT_EQ(scene.lights().size(), 1u);
     EXPECT_TRUE(std::any_of(uses.begin(), uses.end(), [](const auto& use) { return use.second >= 3; }));
     for (const auto& [handle, mesh] : scene.meshes())
-        for (const Primitive& p : mesh.primitives) EXPECT_TRUE(!scene.get(p.material).normal_texture.texture || p.tangents.size() == p.positions.size());
+        for (const Primitive& p : mesh.primitives)
+            EXPECT_TRUE(!scene.get(p.material).normal_texture.texture || p.tangents.size() == p.positions.size());
 }
 
 TEST(Builtin, scripted_edits_depend_on_the_time_alone) {
@@ -209,7 +211,8 @@ TEST(Shapes, a_textured_quad_shows_its_image_upright) {
     Primitive quad;
     add_textured_quad(quad, {0, 0, 0}, {2, 0, 0}, {0, 1, 0}, glm::vec2(1.0f), 4);
     EXPECT_EQ(quad.triangles.size(), 32u);
-    for (size_t i = 0; i < quad.positions.size(); ++i) EXPECT_LT(glm::length(quad.uv0[i] - glm::vec2(quad.positions[i].x / 2, 1 - quad.positions[i].y)), 1e-6f);
+    for (size_t i = 0; i < quad.positions.size(); ++i)
+        EXPECT_LT(glm::length(quad.uv0[i] - glm::vec2(quad.positions[i].x / 2, 1 - quad.positions[i].y)), 1e-6f);
 }
 
 }  // namespace parhelion

@@ -10,7 +10,8 @@ namespace parhelion {
 namespace {
 
 void expect_near(glm::vec3 a, glm::vec3 b, float tolerance = 1e-5f) {
-    EXPECT_LT(glm::length(a - b), tolerance) << "(" << a.x << ", " << a.y << ", " << a.z << ") instead of (" << b.x << ", " << b.y << ", " << b.z << ")";
+    EXPECT_LT(glm::length(a - b), tolerance) << "(" << a.x << ", " << a.y << ", " << a.z << ") instead of (" << b.x << ", " << b.y << ", "
+                                             << b.z << ")";
 }
 
 void expect_orthonormal(const CameraView& view) {
@@ -122,13 +123,15 @@ TEST(Camera, orthographic_shows_all_of_its_extents_undistorted) {
 }
 
 TEST(Camera, framing_has_every_corner_in_the_image_and_little_room_to_spare) {
-    const Bounds boxes[] = {{{-1, -1, -1}, {1, 1, 1}}, {{10, 0, 5}, {11, 0, 500}}, {{-1e-4f, 0, 0}, {1e-4f, 2e-4f, 1e-4f}}, {{0, 0, 0}, {0, 1e5f, 0}}};
+    const Bounds boxes[] = {
+        {{-1, -1, -1}, {1, 1, 1}}, {{10, 0, 5}, {11, 0, 500}}, {{-1e-4f, 0, 0}, {1e-4f, 2e-4f, 1e-4f}}, {{0, 0, 0}, {0, 1e5f, 0}}};
     for (const Bounds& box : boxes)
         for (const float aspect : {0.4f, 1.0f, 1.78f}) {
             const CameraView view = framing_view(box, aspect);
             float extreme = 0.0f;
             for (int corner = 0; corner < 8; ++corner) {
-                const glm::vec3 p(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y, corner & 4 ? box.max.z : box.min.z);
+                const glm::vec3 p(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
+                                  corner & 4 ? box.max.z : box.min.z);
                 EXPECT_GT(glm::dot(p - view.position, view.forward), 0.0f);
                 const glm::vec3 ndc = project(view, aspect, p);
                 extreme = std::max({extreme, std::abs(ndc.x), std::abs(ndc.y)});

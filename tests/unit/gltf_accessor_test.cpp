@@ -30,7 +30,9 @@ void expect_converted(int component_type, const std::vector<T>& values, bool nor
 }
 
 json sparse(int count, int indices_view, int index_type, int values_view) {
-    return {{"count", count}, {"indices", {{"bufferView", indices_view}, {"componentType", index_type}}}, {"values", {{"bufferView", values_view}}}};
+    return {{"count", count},
+            {"indices", {{"bufferView", indices_view}, {"componentType", index_type}}},
+            {"values", {{"bufferView", values_view}}}};
 }
 
 }  // namespace
@@ -52,7 +54,8 @@ TEST(GltfAccessor, interleaved_data_is_read_with_its_stride_and_offset) {
     const int view = maker.view(data);
     maker.doc["bufferViews"][view]["byteStride"] = 20;
     const int positions = maker.push("accessors", {{"bufferView", view}, {"componentType", 5126}, {"type", "VEC3"}, {"count", 3}});
-    const int uvs = maker.push("accessors", {{"bufferView", view}, {"byteOffset", 12}, {"componentType", 5126}, {"type", "VEC2"}, {"count", 3}});
+    const int uvs =
+        maker.push("accessors", {{"bufferView", view}, {"byteOffset", 12}, {"componentType", 5126}, {"type", "VEC2"}, {"count", 3}});
     maker.add_primitive({{"attributes", {{"POSITION", positions}, {"TEXCOORD_0", uvs}}}});
     const Scene scene = maker.load();
     const Primitive& primitive = only_primitive(scene);
@@ -130,10 +133,14 @@ TEST(GltfAccessor, views_outside_of_their_buffer_are_refused) {
         json value;
         const char* part;
     };
-    const Lie lies[] = {{"byteLength", 9007199254740992u, "lie outside its buffer"}, {"byteOffset", 1000, "bytes 1000 to 1024 lie outside its buffer of"},
-                        {"byteOffset", 9007199254740992u, "lie outside its buffer"}, {"byteStride", 2, "is 2, expected 4 to 252"},
-                        {"byteStride", 256, "expected a whole number from 0 to 252"}, {"byteStride", 4, "overlap at a stride of 4"},
-                        {"byteStride", 252, "need 512 bytes"},                        {"buffer", 1, "names buffers[1], but the file has only 1"}};
+    const Lie lies[] = {{"byteLength", 9007199254740992u, "lie outside its buffer"},
+                        {"byteOffset", 1000, "bytes 1000 to 1024 lie outside its buffer of"},
+                        {"byteOffset", 9007199254740992u, "lie outside its buffer"},
+                        {"byteStride", 2, "is 2, expected 4 to 252"},
+                        {"byteStride", 256, "expected a whole number from 0 to 252"},
+                        {"byteStride", 4, "overlap at a stride of 4"},
+                        {"byteStride", 252, "need 512 bytes"},
+                        {"buffer", 1, "names buffers[1], but the file has only 1"}};
     for (const Lie& lie : lies) {
         GltfMaker maker;
         const int accessor = maker.floats({9, 9, 8, 8, 7, 7}, "VEC2");

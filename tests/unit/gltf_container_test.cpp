@@ -160,9 +160,12 @@ TEST(GltfContainer, random_damage_never_does_more_than_fail) {
         std::vector<std::byte> bytes = run % 2 == 0 ? glb : text;
         for (size_t flips = 1 + below(4); flips > 0; --flips) {
             const size_t at = below(bytes.size());
-            if (below(4) == 0) bytes[at] ^= static_cast<std::byte>(1u << below(8));
-            else if (below(2) == 0) bytes[at] = static_cast<std::byte>("0123456789-.,:{}[]\"e"[below(20)]);
-            else bytes[at] = static_cast<std::byte>(below(256));
+            if (below(4) == 0)
+                bytes[at] ^= static_cast<std::byte>(1u << below(8));
+            else if (below(2) == 0)
+                bytes[at] = static_cast<std::byte>("0123456789-.,:{}[]\"e"[below(20)]);
+            else
+                bytes[at] = static_cast<std::byte>(below(256));
         }
         if (below(10) == 0) bytes.resize(below(bytes.size()));
         const std::string error = error_of(bytes, {.budget_base_bytes = 64u << 20});

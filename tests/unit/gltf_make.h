@@ -31,7 +31,9 @@ public:
     template <class T>
     int accessor(const std::vector<T>& values, int component_type, const std::string& type) {
         const size_t components = type == "SCALAR" ? 1 : static_cast<size_t>(type[3] - '0');
-        return push("accessors", {{"bufferView", view(values)}, {"componentType", component_type}, {"type", type}, {"count", values.size() / components}});
+        return push(
+            "accessors",
+            {{"bufferView", view(values)}, {"componentType", component_type}, {"type", type}, {"count", values.size() / components}});
     }
     int floats(const std::vector<float>& values, const std::string& type) { return accessor(values, kFloat, type); }
     int push(const std::string& table, json value);
@@ -54,7 +56,8 @@ private:
     std::vector<std::byte> buffer_;
 };
 
-Scene load_bytes(std::span<const std::byte> bytes, const SceneFileLimits& limits = {}, const GltfOptions& options = {.median_order = false});
+Scene load_bytes(std::span<const std::byte> bytes, const SceneFileLimits& limits = {},
+                 const GltfOptions& options = {.median_order = false});
 std::string error_of(std::span<const std::byte> bytes, const SceneFileLimits& limits = {});
 std::vector<std::byte> to_bytes(const std::string& text);
 

@@ -17,9 +17,7 @@ std::string base64(std::span<const std::byte> bytes) {
     return out;
 }
 
-GltfMaker::GltfMaker() {
-    doc = {{"asset", {{"version", "2.0"}}}, {"scene", 0}, {"scenes", json::array({{{"nodes", json::array()}}})}};
-}
+GltfMaker::GltfMaker() { doc = {{"asset", {{"version", "2.0"}}}, {"scene", 0}, {"scenes", json::array({{{"nodes", json::array()}}})}}; }
 
 int GltfMaker::push(const std::string& table, json value) {
     doc[table].push_back(std::move(value));
@@ -54,7 +52,8 @@ int GltfMaker::add_node(json node) {
 std::string GltfMaker::text() const {
     json out = doc;
     if (!buffer_.empty() && !out.contains("buffers"))
-        out["buffers"] = json::array({{{"byteLength", buffer_.size()}, {"uri", "data:application/octet-stream;base64," + base64(buffer_)}}});
+        out["buffers"] =
+            json::array({{{"byteLength", buffer_.size()}, {"uri", "data:application/octet-stream;base64," + base64(buffer_)}}});
     return out.dump();
 }
 

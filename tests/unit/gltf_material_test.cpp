@@ -43,7 +43,8 @@ TEST(GltfMaterials, factors_have_the_defaults_of_gltf_and_are_read) {
     EXPECT_EQ(d.specular, 1.0f);
 
     const Scene full = with_material({{"name", "all"},
-                                      {"pbrMetallicRoughness", {{"baseColorFactor", {0.1, 0.2, 0.3, 0.4}}, {"metallicFactor", 0.25}, {"roughnessFactor", 0.75}}},
+                                      {"pbrMetallicRoughness",
+                                       {{"baseColorFactor", {0.1, 0.2, 0.3, 0.4}}, {"metallicFactor", 0.25}, {"roughnessFactor", 0.75}}},
                                       {"emissiveFactor", {1, 0.5, 0}},
                                       {"alphaMode", "MASK"},
                                       {"alphaCutoff", 0.25},
@@ -70,7 +71,9 @@ TEST(GltfMaterials, factors_have_the_defaults_of_gltf_and_are_read) {
 }
 
 TEST(GltfMaterials, values_out_of_range_are_clamped_with_a_warning) {
-    const Scene scene = with_material({{"pbrMetallicRoughness", {{"metallicFactor", 2}, {"baseColorFactor", {-1, 0, 0, 1}}}}, {"alphaMode", "GLOW"}}).load();
+    const Scene scene =
+        with_material({{"pbrMetallicRoughness", {{"metallicFactor", 2}, {"baseColorFactor", {-1, 0, 0, 1}}}}, {"alphaMode", "GLOW"}})
+            .load();
     EXPECT_EQ(only_material(scene).metallic, 1.0f);
     EXPECT_EQ(only_material(scene).base_color.x, 0.0f);
     EXPECT_EQ(scene.source().warnings.size(), 3u);
@@ -79,8 +82,9 @@ TEST(GltfMaterials, values_out_of_range_are_clamped_with_a_warning) {
 }
 
 TEST(GltfMaterials, textures_know_their_color_space_and_one_image_may_have_two) {
-    GltfMaker maker = with_material({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}, {"metallicRoughnessTexture", {{"index", 0}}}}},
-                                     {"emissiveTexture", {{"index", 0}}}});
+    GltfMaker maker =
+        with_material({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}, {"metallicRoughnessTexture", {{"index", 0}}}}},
+                       {"emissiveTexture", {{"index", 0}}}});
     add_texture(maker);
     const Scene scene = maker.load();
     const Material& m = only_material(scene);
@@ -101,8 +105,9 @@ TEST(GltfMaterials, samplers_are_read_and_unknown_modes_are_warnings) {
         Filter filter;
         std::optional<Filter> mip;
     };
-    const Case cases[] = {{9728, Filter::Nearest, std::nullopt},    {9729, Filter::Linear, std::nullopt},    {9984, Filter::Nearest, Filter::Nearest},
-                          {9985, Filter::Linear, Filter::Nearest},  {9986, Filter::Nearest, Filter::Linear}, {9987, Filter::Linear, Filter::Linear}};
+    const Case cases[] = {{9728, Filter::Nearest, std::nullopt},    {9729, Filter::Linear, std::nullopt},
+                          {9984, Filter::Nearest, Filter::Nearest}, {9985, Filter::Linear, Filter::Nearest},
+                          {9986, Filter::Nearest, Filter::Linear},  {9987, Filter::Linear, Filter::Linear}};
     for (const Case& c : cases) {
         GltfMaker maker = with_material({{"emissiveTexture", {{"index", 0}}}});
         add_texture(maker);
@@ -121,10 +126,12 @@ TEST(GltfMaterials, samplers_are_read_and_unknown_modes_are_warnings) {
 }
 
 TEST(GltfMaterials, texture_transforms_are_read_and_turn_counter_clockwise_as_seen) {
-    GltfMaker maker = with_material({{"emissiveTexture",
-                                      {{"index", 0},
-                                       {"texCoord", 0},
-                                       {"extensions", {{"KHR_texture_transform", {{"offset", {0.5, 0.25}}, {"scale", {2, 4}}, {"rotation", 0.75}, {"texCoord", 1}}}}}}}});
+    GltfMaker maker = with_material(
+        {{"emissiveTexture",
+          {{"index", 0},
+           {"texCoord", 0},
+           {"extensions",
+            {{"KHR_texture_transform", {{"offset", {0.5, 0.25}}, {"scale", {2, 4}}, {"rotation", 0.75}, {"texCoord", 1}}}}}}}});
     add_texture(maker);
     const Scene scene = maker.load();
     const TextureRef& ref = only_material(scene).emissive_texture;

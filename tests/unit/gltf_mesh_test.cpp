@@ -65,7 +65,8 @@ TEST(GltfMesh, indices_out_of_range_are_refused_by_name) {
 TEST(GltfMesh, the_primitive_restart_value_is_refused_even_where_a_vertex_has_that_number) {
     GltfMaker maker;
     const int positions = maker.floats(zigzag(300), "VEC3");
-    maker.add_primitive({{"attributes", {{"POSITION", positions}}}, {"indices", maker.accessor<uint8_t>({0, 1, 255}, GltfMaker::kUByte, "SCALAR")}});
+    maker.add_primitive(
+        {{"attributes", {{"POSITION", positions}}}, {"indices", maker.accessor<uint8_t>({0, 1, 255}, GltfMaker::kUByte, "SCALAR")}});
     EXPECT_CONTAINS(maker.error(), "index 2 is 255, the primitive restart value");
 }
 
@@ -81,7 +82,11 @@ TEST(GltfMesh, attributes_of_another_length_are_refused) {
     for (const char* name : {"NORMAL", "TANGENT", "TEXCOORD_0", "TEXCOORD_1", "COLOR_0"}) {
         GltfMaker maker;
         const std::string type = std::string(name) == "NORMAL" ? "VEC3" : std::string(name).starts_with("TEX") ? "VEC2" : "VEC4";
-        maker.add_triangle()["attributes"][name] = maker.floats(std::vector<float>(type == "VEC2" ? 4 : type == "VEC3" ? 6 : 8, 1.0f), type);
+        maker.add_triangle()["attributes"][name] = maker.floats(std::vector<float>(type == "VEC2"   ? 4
+                                                                                   : type == "VEC3" ? 6
+                                                                                                    : 8,
+                                                                                   1.0f),
+                                                                type);
         const std::string error = maker.error();
         EXPECT_CONTAINS(error, "has 2 elements, but there are 3 positions");
         EXPECT_CONTAINS(error, name);
@@ -120,6 +125,12 @@ TEST(GltfMesh, normals_come_out_unit_and_without_any_the_mesh_stays_flat) {
     EXPECT_TRUE(only_primitive(flat_scene).tangents.empty());
 }
 
+TEST(GltfMesh, positions_beyond_all_measure_are_refused) {
+    GltfMaker maker;
+    maker.add_triangle()["attributes"]["POSITION"] = maker.floats({0, 0, 0, 1, 0, 0, 0, 1e30f, 0}, "VEC3");
+    EXPECT_CONTAINS(maker.error(), "meshes[0].primitives[0].attributes.POSITION: position 2 is beyond 1e+18 metres");
+}
+
 TEST(GltfMesh, an_empty_list_of_primitives_is_refused) {
     GltfMaker maker;
     maker.add_triangle();
@@ -149,8 +160,10 @@ TEST(GltfMesh, triangles_are_median_ordered_on_import_and_stay_the_same_set) {
     float left = -1e9f, right = 1e9f;
     for (int i = 0; i < kCount; ++i) {
         const float x = primitive.positions[primitive.triangles[static_cast<size_t>(i)].x].x;
-        if (i < kCount / 2) left = std::max(left, x);
-        else right = std::min(right, x);
+        if (i < kCount / 2)
+            left = std::max(left, x);
+        else
+            right = std::min(right, x);
     }
     EXPECT_LT(left, right);
 }

@@ -67,7 +67,7 @@ TEST(GltfNodes, broken_transforms_are_refused) {
     GltfMaker far = with_node({{"scale", {1e20, 1, 1}}});
     far.doc["nodes"].push_back({{"scale", {1e20, 1, 1}}, {"children", {0}}});
     far.doc["scenes"][0]["nodes"] = {1};
-    EXPECT_CONTAINS(far.error(), "beyond all numbers");
+    EXPECT_CONTAINS(far.error(), "beyond all measure");
 }
 
 TEST(GltfNodes, cycles_and_second_parents_are_refused) {
@@ -159,19 +159,21 @@ TEST(GltfNodes, broken_cameras_are_refused) {
     };
     EXPECT_CONTAINS(error({{"type", "fisheye"}}), "cameras[0].type: 'fisheye' is no kind of camera");
     EXPECT_CONTAINS(error({{"type", "perspective"}}), "cameras[0]: lacks 'perspective'");
-    EXPECT_CONTAINS(error({{"type", "perspective"}, {"perspective", {{"yfov", 0}, {"znear", 1}}}}), "cameras[0].perspective.yfov: is 0, expected more than 0");
+    EXPECT_CONTAINS(error({{"type", "perspective"}, {"perspective", {{"yfov", 0}, {"znear", 1}}}}),
+                    "cameras[0].perspective.yfov: is 0, expected more than 0");
     EXPECT_CONTAINS(error({{"type", "perspective"}, {"perspective", {{"yfov", 4}, {"znear", 1}}}}), "expected less than pi");
     EXPECT_CONTAINS(error({{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 1}, {"zfar", 1}}}}), "zfar is not beyond");
-    EXPECT_CONTAINS(error({{"type", "orthographic"}, {"orthographic", {{"xmag", 0}, {"ymag", 1}, {"znear", 0}, {"zfar", 1}}}}), "must not be 0");
+    EXPECT_CONTAINS(error({{"type", "orthographic"}, {"orthographic", {{"xmag", 0}, {"ymag", 1}, {"znear", 0}, {"zfar", 1}}}}),
+                    "must not be 0");
 }
 
 TEST(GltfNodes, punctual_lights_of_all_kinds_are_read_in_their_units) {
     GltfMaker maker;
     maker.doc["extensionsUsed"] = {"KHR_lights_punctual"};
-    maker.doc["extensions"]["KHR_lights_punctual"]["lights"] = json::array(
-        {{{"type", "directional"}, {"intensity", 3}, {"color", {1, 0.5, 0}}},
-         {{"type", "point"}, {"name", "bulb"}, {"range", 8}},
-         {{"type", "spot"}, {"spot", {{"innerConeAngle", 0.1}, {"outerConeAngle", 0.2}}}}});
+    maker.doc["extensions"]["KHR_lights_punctual"]["lights"] =
+        json::array({{{"type", "directional"}, {"intensity", 3}, {"color", {1, 0.5, 0}}},
+                     {{"type", "point"}, {"name", "bulb"}, {"range", 8}},
+                     {{"type", "spot"}, {"spot", {{"innerConeAngle", 0.1}, {"outerConeAngle", 0.2}}}}});
     for (int i = 0; i < 3; ++i) maker.add_node({{"name", "holder"}, {"extensions", {{"KHR_lights_punctual", {{"light", i}}}}}});
     const Scene scene = maker.load();
     std::vector<Light> lights;

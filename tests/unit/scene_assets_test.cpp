@@ -17,7 +17,7 @@ std::filesystem::path asset(const char* path) {
     return folder == nullptr ? std::filesystem::path() : std::filesystem::path(folder) / path;
 }
 
-#define PARHELION_NEED_ASSET(variable, name)           \
+#define PARHELION_NEED_ASSET(variable, name)            \
     const std::filesystem::path variable = asset(name); \
     if (variable.empty() || !std::filesystem::exists(variable)) GTEST_SKIP() << "PARHELION_ASSETS does not hold " << name
 
@@ -64,8 +64,10 @@ TEST(SceneAssets, damaged_helmet_loads_and_gets_the_tangents_it_lacks) {
             ASSERT_EQ(p.tangents.size(), p.positions.size());
             for (size_t i = 0; i < p.tangents.size(); ++i, ++vertices) {
                 const glm::vec3 t(p.tangents[i]);
-                if (t == glm::vec3(0.0f)) ++zero_tangents;
-                else if (std::abs(glm::dot(t, p.normals[i])) > 1e-3f || std::abs(glm::length(t) - 1.0f) > 1e-5f) ++off_plane;
+                if (t == glm::vec3(0.0f))
+                    ++zero_tangents;
+                else if (std::abs(glm::dot(t, p.normals[i])) > 1e-3f || std::abs(glm::length(t) - 1.0f) > 1e-5f)
+                    ++off_plane;
             }
         }
     EXPECT_EQ(off_plane, 0u);

@@ -276,9 +276,9 @@ TEST(SceneEdit, values_that_renderers_cannot_use_are_refused) {
     EXPECT_TRUE(refused(Light{.kind = LightKind::Spot, .inner_cone = 1, .outer_cone = 0.5f}));
     EXPECT_TRUE(refused(Camera{.yfov = 4}));
     EXPECT_TRUE(refused(Camera{.kind = CameraKind::Orthographic, .xmag = 0}));
-    EXPECT_TRUE(refused(triangle({})));    // no material
-    EXPECT_TRUE(refused(Instance{}));      // no mesh
-    EXPECT_TRUE(refused(Texture{}));       // no image
+    EXPECT_TRUE(refused(triangle({})));  // no material
+    EXPECT_TRUE(refused(Instance{}));    // no mesh
+    EXPECT_TRUE(refused(Texture{}));     // no image
     EXPECT_FALSE(mesh_refused([](Primitive&) {}));
     EXPECT_TRUE(mesh_refused([](Primitive& p) { p.triangles[0].z = 3; }));
     EXPECT_TRUE(mesh_refused([](Primitive& p) { p.normals.resize(2); }));
@@ -363,7 +363,8 @@ TEST(SceneEdit, many_random_edits_agree_with_a_simple_model) {
             const uint32_t action = below(4);
             if (model.empty() || action < 2) {
                 const bool root = model.empty() || !model[i].alive;
-                const Handle<Node> handle = edit.add(Node{.parent = root ? Handle<Node>{} : model[i].handle, .local = {.translation = {x, 0, 0}}});
+                const Handle<Node> handle =
+                    edit.add(Node{.parent = root ? Handle<Node>{} : model[i].handle, .local = {.translation = {x, 0, 0}}});
                 pending.emplace_back(model.size(), handle);
                 model.push_back({handle, root ? model.size() : i, x, true});
             } else if (model[i].alive && action == 2) {

@@ -22,7 +22,8 @@ namespace {
 class SceneFilesTest : public ::testing::Test {
 protected:
     void SetUp() override {
-        base_ = fs::temp_directory_path() / fmt::format("parhelion-files-{}-{}", platform::process_id(), ::testing::UnitTest::GetInstance()->current_test_info()->name());
+        base_ = fs::temp_directory_path() / fmt::format("parhelion-files-{}-{}", platform::process_id(),
+                                                        ::testing::UnitTest::GetInstance()->current_test_info()->name());
         fs::remove_all(base_);
         fs::create_directories(root() / "sub");
         fs::create_directories(base_ / "outside");
@@ -69,10 +70,11 @@ TEST_F(SceneFilesTest, relative_uris_are_percent_decoded_and_read) {
 
 TEST_F(SceneFilesTest, nothing_outside_of_the_folder_is_read) {
     const std::string secret = (base_ / "outside" / "secret.bin").string();
-    for (const std::string& uri : {std::string("../outside/secret.bin"), std::string("%2e%2e/outside/secret.bin"), std::string("..\\outside\\secret.bin"),
-                                   std::string("sub/../../outside/secret.bin"), std::string("nowhere/../../outside/secret.bin"), secret,
-                                   std::string("%2Fetc/passwd"), std::string("link-out.bin"), std::string("folder-out/secret.bin"), std::string("../scene2/other.bin"),
-                                   std::string(".."), std::string("../scene")})
+    for (const std::string& uri :
+         {std::string("../outside/secret.bin"), std::string("%2e%2e/outside/secret.bin"), std::string("..\\outside\\secret.bin"),
+          std::string("sub/../../outside/secret.bin"), std::string("nowhere/../../outside/secret.bin"), secret,
+          std::string("%2Fetc/passwd"), std::string("link-out.bin"), std::string("folder-out/secret.bin"),
+          std::string("../scene2/other.bin"), std::string(".."), std::string("../scene")})
         EXPECT_CONTAINS(read(uri), "leads out of the scene's folder (--allow-external permits it)");
 }
 
@@ -85,7 +87,8 @@ TEST_F(SceneFilesTest, allow_external_lifts_the_folder_but_not_protocols) {
 }
 
 TEST_F(SceneFilesTest, protocols_are_refused) {
-    for (const char* uri : {"http://example.org/a.bin", "FILE:data.bin", "c:/data.bin", "ftp+x-1.0://y"}) EXPECT_CONTAINS(read(uri), "names a protocol");
+    for (const char* uri : {"http://example.org/a.bin", "FILE:data.bin", "c:/data.bin", "ftp+x-1.0://y"})
+        EXPECT_CONTAINS(read(uri), "names a protocol");
     EXPECT_CONTAINS(read("sub/a:b.bin"), "there is no such file");  // a colon behind a slash is a name
 }
 
@@ -117,7 +120,8 @@ TEST_F(SceneFilesTest, a_scene_is_read_from_its_folder_and_may_not_name_a_pipe) 
     maker.add_triangle();
     json doc = json::parse(maker.text());
     const std::vector<std::byte> data = decode_data_uri(doc["buffers"][0]["uri"].get<std::string>(), "here");
-    std::ofstream(root() / "mesh.bin", std::ios::binary).write(reinterpret_cast<const char*>(data.data()), static_cast<std::streamsize>(data.size()));
+    std::ofstream(root() / "mesh.bin", std::ios::binary)
+        .write(reinterpret_cast<const char*>(data.data()), static_cast<std::streamsize>(data.size()));
     doc["buffers"][0]["uri"] = "mesh.bin";
     put(root() / "scene.gltf", doc.dump());
     EXPECT_EQ(load_scene((root() / "scene.gltf").string()).scene.meshes().size(), 1u);

@@ -20,7 +20,8 @@ namespace {
 class SceneLoad : public ::testing::Test {
 protected:
     void SetUp() override {
-        folder_ = fs::temp_directory_path() / fmt::format("parhelion-load-{}-{}", platform::process_id(), ::testing::UnitTest::GetInstance()->current_test_info()->name());
+        folder_ = fs::temp_directory_path() / fmt::format("parhelion-load-{}-{}", platform::process_id(),
+                                                          ::testing::UnitTest::GetInstance()->current_test_info()->name());
         fs::create_directories(folder_);
     }
     void TearDown() override { fs::remove_all(folder_); }
@@ -40,7 +41,8 @@ TEST_F(SceneLoad, glb_and_gltf_are_told_apart_by_content) {
     GltfMaker maker;
     maker.add_triangle();
     const std::vector<std::byte> glb = maker.glb();
-    std::ofstream(folder_ / "binary.gltf", std::ios::binary).write(reinterpret_cast<const char*>(glb.data()), static_cast<std::streamsize>(glb.size()));
+    std::ofstream(folder_ / "binary.gltf", std::ios::binary)
+        .write(reinterpret_cast<const char*>(glb.data()), static_cast<std::streamsize>(glb.size()));
     std::ofstream(folder_ / "text.glb") << maker.text();
     for (const char* name : {"binary.gltf", "text.glb"}) {
         const LoadedScene loaded = load_scene((folder_ / name).string());

@@ -89,7 +89,7 @@ TEST(MedianOrder, bears_empty_tiny_and_coincident_meshes) {
     order_triangles_by_median(same);
     EXPECT_EQ(same.triangles.size(), 1000u);
     Primitive far;
-    far.positions = {{3e38f, 3e38f, 0}, {-3e38f, 3e38f, 0}, {3e38f, -3e38f, 0}};
+    far.positions = {{1e18f, 1e18f, 0}, {-1e18f, 1e18f, 0}, {1e18f, -1e18f, 0}};
     far.triangles.assign(100, glm::uvec3(0, 1, 2));
     EXPECT_NO_THROW(order_triangles_by_median(far));
 }
