@@ -2,6 +2,20 @@
 #ifndef PARHELION_LIB_GEOMETRY_GLSL
 #define PARHELION_LIB_GEOMETRY_GLSL
 
+// The same bits in whatever shader they are compiled: no fused operations.
+float precise_dot(vec3 a, vec3 b) {
+    precise const float d = (a.x * b.x + a.y * b.y) + a.z * b.z;
+    return d;
+}
+vec3 precise_cross(vec3 a, vec3 b) {
+    precise const vec3 c = vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+    return c;
+}
+vec3 precise_normalize(vec3 v) {
+    precise const vec3 n = v / sqrt(precise_dot(v, v));
+    return n;
+}
+
 // An orthonormal basis around unit n as columns (tangent, bitangent, n). Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
 mat3 make_frame(vec3 n) {
     const float s = n.z >= 0.0 ? 1.0 : -1.0;

@@ -23,7 +23,10 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Att
 #define scene_material(i) (MaterialArray(scene.header.materials).v[i])
 #define scene_emitter(i) (EmitterArray(scene.header.emitters).v[i])
 
-vec2 transform_uv(TextureRef ref, vec2 uv) { return vec2(dot(ref.row0, vec3(uv, 1.0)), dot(ref.row1, vec3(uv, 1.0))); }
+vec2 transform_uv(TextureRef ref, vec2 uv) {
+    precise const vec2 moved = vec2((ref.row0.x * uv.x + ref.row0.y * uv.y) + ref.row0.z, (ref.row1.x * uv.x + ref.row1.y * uv.y) + ref.row1.z);
+    return moved;
+}
 
 // A texel of a material's texture at full resolution; `fallback` where the material has none.
 vec4 fetch_texture(TextureRef ref, vec2 uv0, vec2 uv1, vec4 fallback) {

@@ -23,16 +23,29 @@ struct Surface {
     float double_area_ws; // twice the triangle's area, square metres
 };
 
-vec3 interpolate(vec3 weights, vec3 a, vec3 b, vec3 c) { return weights.x * a + weights.y * b + weights.z * c; }
-vec2 interpolate(vec3 weights, vec2 a, vec2 b, vec2 c) { return weights.x * a + weights.y * b + weights.z * c; }
+vec3 interpolate(vec3 weights, vec3 a, vec3 b, vec3 c) {
+    precise const vec3 v = (weights.x * a + weights.y * b) + weights.z * c;
+    return v;
+}
+vec2 interpolate(vec3 weights, vec2 a, vec2 b, vec2 c) {
+    precise const vec2 v = (weights.x * a + weights.y * b) + weights.z * c;
+    return v;
+}
+
+// As transform_vector and transform_normal of lib/affine.glsl, with the same bits everywhere.
+vec3 transform_vector_precise(Affine a, vec3 v) { return vec3(precise_dot(a.row0.xyz, v), precise_dot(a.row1.xyz, v), precise_dot(a.row2.xyz, v)); }
+vec3 transform_normal_precise(Affine inverse, vec3 n) { return interpolate(n, inverse.row0.xyz, inverse.row1.xyz, inverse.row2.xyz); }
 
 // Tangent-space normal from a normal map: xy scaled, z rebuilt. Falls back to the vertex normal where tangents degenerate.
 vec3 apply_normal_map(Material material, vec2 uv0, vec2 uv1, vec3 n, vec4 tangent) {
     if (material.normal_texture.texture == kNone || dot(tangent.xyz, tangent.xyz) < 1e-6) return n;
-    const vec2 xy = (fetch_texture(material.normal_texture, uv0, uv1, vec4(0.5)).xy * 2.0 - 1.0) * material.normal_scale;
-    const vec3 t = normalize(tangent.xyz - n * dot(n, tangent.xyz));
-    const vec3 b = cross(n, t) * tangent.w;
-    return normalize(xy.x * t + xy.y * b + sqrt(max(0.0, 1.0 - dot(xy, xy))) * n);
+    precise const vec2 xy = (fetch_texture(material.normal_texture, uv0, uv1, vec4(0.5)).xy * 2.0 - 1.0) * material.normal_scale;
+    precise const vec3 along = tangent.xyz - n * precise_dot(n, tangent.xyz);
+    precise const vec3 t = precise_normalize(along);
+    precise const vec3 b = precise_cross(n, t) * tangent.w;
+    precise const float z = sqrt(max(0.0, 1.0 - (xy.x * xy.x + xy.y * xy.y)));
+    precise const vec3 bent = (xy.x * t + xy.y * b) + z * n;
+    return precise_normalize(bent);
 }
 
 Surface fetch_surface(Hit hit, Ray ray) {
@@ -63,20 +76,21 @@ Surface fetch_surface(Hit hit, Ray ray) {
     s.position_error += 5e-7 * max_component(max(abs(position), max(abs(p0 - position), max(abs(p1 - position), abs(p2 - position)))));
 
     // A mirroring transform turns the order of the corners over; the front side stays the front side.
-    const vec3 normal = cross(p1 - p0, p2 - p0) * ((instance.flags & kInstanceFlipsFacing) != 0u ? -1.0 : 1.0);
-    s.double_area_ws = length(normal);
+    const float winding = (instance.flags & kInstanceFlipsFacing) != 0u ? -1.0 : 1.0;
+    precise const vec3 e1_ws = p1 - p0, e2_ws = p2 - p0;
+    precise const vec3 normal = precise_cross(e1_ws, e2_ws) * winding;
+    s.double_area_ws = sqrt(precise_dot(normal, normal));
     s.n_geometric_ws = s.double_area_ws > 0.0 ? normal / s.double_area_ws : -ray.direction_ws;
-    s.front_facing = dot(s.n_geometric_ws, ray.direction_ws) < 0.0;
+    s.front_facing = precise_dot(s.n_geometric_ws, ray.direction_ws) < 0.0;
 
     AttributeArray attributes = AttributeArray(geometry.attributes);
     const VertexAttributes a0 = attributes.v[index.x], a1 = attributes.v[index.y], a2 = attributes.v[index.z];
     const vec2 uv0 = interpolate(weights, a0.uv0, a1.uv0, a2.uv0), uv1 = interpolate(weights, a0.uv1, a1.uv1, a2.uv1);
     const vec3 n_object = interpolate(weights, a0.normal, a1.normal, a2.normal);
-    const vec3 n_world = transform_normal(instance.object_from_world, n_object);
-    s.n_shading_ws = dot(n_world, n_world) > 0.0 ? normalize(n_world) : s.n_geometric_ws;
-    const float handedness = a0.tangent.w * ((instance.flags & kInstanceFlipsFacing) != 0u ? -1.0 : 1.0);
-    const vec3 tangent = transform_vector(instance.world_from_object, interpolate(weights, a0.tangent.xyz, a1.tangent.xyz, a2.tangent.xyz));
-    s.n_shading_ws = apply_normal_map(material, uv0, uv1, s.n_shading_ws, vec4(tangent, handedness));
+    const vec3 n_world = transform_normal_precise(instance.object_from_world, n_object);
+    s.n_shading_ws = precise_dot(n_world, n_world) > 0.0 ? precise_normalize(n_world) : s.n_geometric_ws;
+    const vec3 tangent = transform_vector_precise(instance.world_from_object, interpolate(weights, a0.tangent.xyz, a1.tangent.xyz, a2.tangent.xyz));
+    s.n_shading_ws = apply_normal_map(material, uv0, uv1, s.n_shading_ws, vec4(tangent, a0.tangent.w * winding));
 
     const vec3 vertex_color = interpolate(weights, unpackUnorm4x8(a0.color).rgb, unpackUnorm4x8(a1.color).rgb, unpackUnorm4x8(a2.color).rgb);
     s.base_color = material.base_color.rgb * vertex_color * fetch_texture(material.base_color_texture, uv0, uv1, vec4(1.0)).rgb;

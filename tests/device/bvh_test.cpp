@@ -60,7 +60,8 @@ TEST_F(BvhDevice, the_device_finds_what_the_host_finds) {
         if (!found && hit.t < 0.0f) continue;
         // A division may differ in its last bits, and with it a ray that just touches an edge.
         other_triangle += !found || hit.t < 0.0f || hit.instance != expected.instance || hit.geometry != expected.geometry || hit.primitive != expected.primitive;
-        EXPECT_NEAR(hit.t, expected.t, 1e-4f * expected.t) << i;
+        // Coordinates are a few metres large: their roundings bound how well a distance near 0 is known.
+        EXPECT_NEAR(hit.t, expected.t, 1e-4f * expected.t + 1e-6f) << i;
     }
     EXPECT_GT(hits, 8000);
     EXPECT_LE(other_triangle, 3);

@@ -45,7 +45,7 @@ TEST_F(GpuDevices, an_unknown_device_is_a_usage_error) {
 
 TEST_F(GpuDevices, two_devices_live_in_one_process) {
     DevicePtr first = Device::open({.selector = same()});
-    const DevicePtr second = Device::open({.selector = same(), .validate = true});
+    const DevicePtr second = Device::open({.selector = same(), .validate = shared_device_validates()});
     EXPECT_NE(first->impl().device, second->impl().device);
     expect_sums(first);
     expect_sums(second);
@@ -63,7 +63,7 @@ TEST_F(GpuDevices, handles_keep_their_device_and_all_is_given_back) {
         Program program;
         Sampler sampler;
         {
-            const DevicePtr own = Device::open({.selector = same(), .validate = true});
+            const DevicePtr own = Device::open({.selector = same(), .validate = shared_device_validates()});
             alive = own;
             program = Program::get(own, test_shader_pack(), "device/gpu_add", "", false);
             sampler = Sampler(own, {});
@@ -75,7 +75,7 @@ TEST_F(GpuDevices, handles_keep_their_device_and_all_is_given_back) {
 }
 
 TEST_F(GpuDevices, ray_tracing_can_be_masked) {
-    const DevicePtr masked = Device::open({.selector = same(), .validate = true, .mask_ray_tracing = true});
+    const DevicePtr masked = Device::open({.selector = same(), .validate = shared_device_validates(), .mask_ray_tracing = true});
     EXPECT_FALSE(masked->caps().supports(TraceWay::Pipeline));
     EXPECT_FALSE(masked->caps().supports(TraceWay::Query));
     EXPECT_TRUE(masked->caps().supports(TraceWay::Compute));

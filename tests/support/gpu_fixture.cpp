@@ -26,23 +26,35 @@ bool is_required(std::string_view what) {
     return false;
 }
 
-const gpu::DevicePtr& shared_device() {
-    static const gpu::DevicePtr device = []() -> gpu::DevicePtr {
+namespace {
+
+struct SharedDevice {
+    gpu::DevicePtr device;
+    bool validates = false;
+};
+
+const SharedDevice& open_shared_device() {
+    static const SharedDevice shared = []() -> SharedDevice {
         try {
-            return gpu::Device::open({.validate = true});
+            return {gpu::Device::open({.validate = true}), true};
         } catch (const Error& error) {
             log(LogLevel::Warn, "{}", error.what());
-            if (is_required("validation")) return nullptr;
+            if (is_required("validation")) return {};
         }
         try {
-            return gpu::Device::open({});
+            return {gpu::Device::open({}), false};
         } catch (const Error& error) {
             log(LogLevel::Warn, "{}", error.what());
-            return nullptr;
+            return {};
         }
     }();
-    return device;
+    return shared;
 }
+
+}  // namespace
+
+const gpu::DevicePtr& shared_device() { return open_shared_device().device; }
+bool shared_device_validates() { return open_shared_device().validates; }
 
 const gpu::ShaderPack& test_shader_pack() {
     // Seeded bugs bring their own (tests/seeded/run.sh).

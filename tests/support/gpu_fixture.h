@@ -17,6 +17,7 @@ bool is_required(std::string_view what);
 
 // The process's device; nullptr if the machine has none.
 const gpu::DevicePtr& shared_device();
+bool shared_device_validates();  // the validation layers are installed and on
 const gpu::ShaderPack& test_shader_pack();  // tests/device/shaders, names "device/<file>"
 
 // Runs a test on the shared device; skips (or fails, if required) without one, and fails on any validation message.
