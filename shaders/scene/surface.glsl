@@ -49,7 +49,7 @@ vec3 apply_normal_map(Material material, vec2 uv0, vec2 uv1, vec3 n, vec4 tangen
 }
 
 Surface fetch_surface(Hit hit, Ray ray) {
-    Surface s;
+    precise Surface s;
     s.instance = hit_instance(hit);
     s.geometry = hit.geometry;
     s.primitive = hit.primitive;
