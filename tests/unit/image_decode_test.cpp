@@ -198,6 +198,12 @@ TEST(DecodeJpeg, baseline_progressive_and_grey_are_read) {
     EXPECT_EQ((std::vector<uint8_t>(grey.rgba.begin(), grey.rgba.begin() + 4)), (std::vector<uint8_t>{77, 77, 77, 255}));
 }
 
+TEST(DecodeJpeg, data_that_end_before_the_picture_are_an_error_although_the_file_goes_on) {
+    Bytes jpeg = make_jpeg(24, 17, 3, false, smooth);
+    jpeg.erase(jpeg.end() - 42, jpeg.end() - 2);  // the last of the data, but not the end marker
+    EXPECT_NE(error_of([&] { decode_jpeg(jpeg, {}, "a.jpg"); }).find("a.jpg: is a damaged JPEG"), std::string::npos);
+}
+
 TEST(DecodeJpeg, cmyk_is_refused_clearly) {
     EXPECT_NE(error_of([] { decode_jpeg(make_jpeg(8, 8, 4, false, smooth), {}, "a.jpg"); }).find("a.jpg: is a CMYK JPEG"), std::string::npos);
 }

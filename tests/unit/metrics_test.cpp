@@ -175,6 +175,14 @@ TEST(Comparison, every_number_gets_worse_with_more_noise) {
     }
 }
 
+TEST(Comparison, flip_takes_its_exposures_from_the_reference) {
+    const ImageF reference = noisy(40, 30, 13);
+    ImageF test = reference;
+    for (float& v : test.data) v *= 8.0f;
+    const Flip from_reference = flip_hdr(rgb_planes(reference), rgb_planes(test), 40, 30);
+    EXPECT_NEAR(compare_images(test, reference, {.exposure_scale = 1.0}).flip.start_exposure, from_reference.start_exposure, 1e-9);
+}
+
 TEST(Comparison, display_pictures_are_compared_as_they_are) {
     Texture8 a{.width = 20, .height = 15}, b = a;
     std::mt19937 rng(9);

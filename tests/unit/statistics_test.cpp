@@ -126,6 +126,26 @@ TEST(EquivalenceTest, fails_on_noise_instead_of_passing) {
     EXPECT_EQ(repeat(100, {}, {.drift = 0.03}, 0.01, 6).mean_passed, 0) << "the reference's own error is over a quarter of the margin";
 }
 
+TEST(EquivalenceTest, asks_for_a_reference_four_times_as_precise_as_the_margin) {
+    // The reference's error is 0.27 of the margin: the interval alone, 3.45 of those, would still fit.
+    Runs test(8, 8), reference(8, 8);
+    for (int i = 0; i < 32; ++i) test.add_run(std::vector<float>(64, 1.0f));
+    for (int i = 0; i < 64; ++i) reference.add_run(std::vector<float>(64, i % 2 == 0 ? 1.0216f : 0.9784f));
+    const Equivalence e = equivalence_test(test, reference, 0.01);
+    EXPECT_NEAR(e.reference_error, 0.0027, 0.00005);
+    EXPECT_GT(e.low, 0.99);
+    EXPECT_LT(e.high, 1.01);
+    EXPECT_FALSE(e.mean_passed) << e.text;
+    EXPECT_TRUE(equivalence_test(test, reference, 0.012).mean_passed);
+}
+
+TEST(EquivalenceTest, judges_every_lit_tile_by_the_count_of_the_design) {
+    std::mt19937_64 rng(14);
+    const Equivalence e = equivalence_test(Renderer{}.render(32, rng), Renderer{}.render(64, rng), 0.01);
+    EXPECT_EQ(e.tiles, 64u);
+    EXPECT_EQ(e.tiles_allowed, 4u);
+}
+
 TEST(EquivalenceTest, finds_a_local_bias_that_the_mean_hides) {
     // The darkest eighth of the picture is 5 % off, the mean by 0.2 %: 8 of 64 tiles, each known to 0.9 %.
     const Outcomes o = repeat(100, {.bias = 1.05, .biased_columns = 1}, {}, 0.01, 7);
