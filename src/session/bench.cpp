@@ -43,7 +43,9 @@ const Suite& find_suite(const OptionValues& values) {
 std::vector<gpu::TraceWay> chosen_ways(const OptionValues& values, const gpu::DeviceCaps& caps) {
     std::vector<gpu::TraceWay> ways;
     for (const std::string& name : values.texts("--trace"))
-        ways.push_back(choose_trace_way(caps, name == "pipeline" ? TraceChoice::Pipeline : name == "query" ? TraceChoice::Query : TraceChoice::Compute));
+        ways.push_back(choose_trace_way(caps, name == "pipeline" ? TraceChoice::Pipeline
+                                              : name == "query"  ? TraceChoice::Query
+                                                                 : TraceChoice::Compute));
     if (!ways.empty()) return ways;
     for (const gpu::TraceWay way : {gpu::TraceWay::Pipeline, gpu::TraceWay::Query, gpu::TraceWay::Compute})
         if (caps.supports(way)) ways.push_back(way);
@@ -56,7 +58,9 @@ RenderOptions job_options(const BenchCase& what, const std::vector<std::string>&
     options.size = what.size;
     options.samples = {0, what.spp};
     options.exposure_ev = 0;
-    options.trace = what.way == gpu::TraceWay::Pipeline ? TraceChoice::Pipeline : what.way == gpu::TraceWay::Query ? TraceChoice::Query : TraceChoice::Compute;
+    options.trace = what.way == gpu::TraceWay::Pipeline ? TraceChoice::Pipeline
+                    : what.way == gpu::TraceWay::Query  ? TraceChoice::Query
+                                                        : TraceChoice::Compute;
     options.assignments = assignments;
     return options;
 }
@@ -74,8 +78,8 @@ std::vector<BenchCase> bench_cases(const OptionValues& values, const gpu::Device
     return cases;
 }
 
-std::vector<BenchRow> run_bench_cases(const std::vector<BenchCase>& cases, const std::vector<std::string>& assignments, const gpu::DevicePtr& device,
-                                      const std::function<void(const BenchRow&)>& done) {
+std::vector<BenchRow> run_bench_cases(const std::vector<BenchCase>& cases, const std::vector<std::string>& assignments,
+                                      const gpu::DevicePtr& device, const std::function<void(const BenchRow&)>& done) {
     std::vector<BenchRow> rows;
     for (const BenchCase& what : cases) {
         RenderOptions options = job_options(what, assignments);
@@ -101,20 +105,24 @@ Json bench_json(const std::vector<BenchRow>& rows, const gpu::DeviceCaps& caps) 
         Json entry = report_json(row.report);
         entry["case"] = case_key(row.what);
         if (row.baseline_seconds) entry["baseline_seconds"] = *row.baseline_seconds;
-        if (row.replay) entry["replay"] = {{"pass_ms", row.replay->pass_ms}, {"replay_ms", row.replay->replay_ms}, {"trace_share", row.replay->share()}};
+        if (row.replay)
+            entry["replay"] = {
+                {"pass_ms", row.replay->pass_ms}, {"replay_ms", row.replay->replay_ms}, {"trace_share", row.replay->share()}};
         list.push_back(std::move(entry));
     }
     return {{"device", caps.name}, {"driver", caps.driver}, {"runs", list}};
 }
 
 std::string bench_table(const std::vector<BenchRow>& rows) {
-    std::string out = fmt::format("{:<28} {:<9} {:>11} {:>6} {:>10} {:>12} {:>10} {:>12}  {}\n", "scene", "trace", "size", "spp", "ms", "Msamples/s", "Mrays/s", "trace share", "to baseline");
+    std::string out = fmt::format("{:<28} {:<9} {:>11} {:>6} {:>10} {:>12} {:>10} {:>12}  {}\n", "scene", "trace", "size", "spp", "ms",
+                                  "Msamples/s", "Mrays/s", "trace share", "to baseline");
     for (const BenchRow& row : rows) {
         const std::string size = fmt::format("{}x{}", row.what.size.width, row.what.size.height);
         const std::string ratio = row.baseline_seconds ? fmt::format("x{:.3f}", row.seconds() / *row.baseline_seconds) : "-";
         const std::string share = row.replay ? fmt::format("{:.1f} %", row.replay->share() * 100) : "-";
-        out += fmt::format("{:<28} {:<9} {:>11} {:>6} {:>10.1f} {:>12.3f} {:>10.3f} {:>12}  {}\n", escape_name(row.what.scene), trace_way_name(row.what.way), size, row.what.spp,
-                           row.seconds() * 1e3, row.report.mega_samples_per_second(), row.report.mega_rays_per_second(), share, ratio);
+        out += fmt::format("{:<28} {:<9} {:>11} {:>6} {:>10.1f} {:>12.3f} {:>10.3f} {:>12}  {}\n", escape_name(row.what.scene),
+                           trace_way_name(row.what.way), size, row.what.spp, row.seconds() * 1e3, row.report.mega_samples_per_second(),
+                           row.report.mega_rays_per_second(), share, ratio);
     }
     return out;
 }
@@ -126,7 +134,8 @@ void add_baseline(std::vector<BenchRow>& rows, const std::filesystem::path& file
     try {
         for (const Json& run : root.at("runs")) seconds[run.at("case").get<std::string>()] = run.at("seconds").get<double>();
     } catch (const nlohmann::json::exception&) {
-        throw Error(ErrorCode::Failed, "is not the JSON of parhelion bench", escape_name(file.string()), "write one with parhelion bench --json F");
+        throw Error(ErrorCode::Failed, "is not the JSON of parhelion bench", escape_name(file.string()),
+                    "write one with parhelion bench --json F");
     }
     for (BenchRow& row : rows)
         if (const auto found = seconds.find(case_key(row.what)); found != seconds.end()) row.baseline_seconds = found->second;

@@ -33,8 +33,8 @@ struct BenchRow {
 std::vector<BenchCase> bench_cases(const OptionValues& values, const gpu::DeviceCaps& caps);
 
 // Each case runs once to warm up (shaders, caches) and once to be measured. `done` is called after each.
-std::vector<BenchRow> run_bench_cases(const std::vector<BenchCase>& cases, const std::vector<std::string>& assignments, const gpu::DevicePtr& device,
-                                      const std::function<void(const BenchRow&)>& done);
+std::vector<BenchRow> run_bench_cases(const std::vector<BenchCase>& cases, const std::vector<std::string>& assignments,
+                                      const gpu::DevicePtr& device, const std::function<void(const BenchRow&)>& done);
 
 nlohmann::ordered_json bench_json(const std::vector<BenchRow>& rows, const gpu::DeviceCaps& caps);
 std::string bench_table(const std::vector<BenchRow>& rows);

@@ -29,11 +29,13 @@ std::vector<std::pair<std::string, fs::path>> find_frames(const std::string& pat
     std::error_code ec;
     for (const fs::directory_entry& entry : fs::directory_iterator(path.has_parent_path() ? path.parent_path() : ".", ec)) {
         const std::string file = entry.path().filename().string();
-        if (file.size() < prefix.size() + suffix.size() + (last - first + 1) || !file.starts_with(prefix) || !file.ends_with(suffix)) continue;
+        if (file.size() < prefix.size() + suffix.size() + (last - first + 1) || !file.starts_with(prefix) || !file.ends_with(suffix))
+            continue;
         const std::string number = file.substr(prefix.size(), file.size() - prefix.size() - suffix.size());
         if (number.find_first_not_of("0123456789") == std::string::npos) frames.emplace_back(number, entry.path());
     }
-    if (frames.empty()) throw Error(ErrorCode::Failed, "no file matches", escape_name(pattern), "# stands for digits: F.####.exr finds F.0001.exr");
+    if (frames.empty())
+        throw Error(ErrorCode::Failed, "no file matches", escape_name(pattern), "# stands for digits: F.####.exr finds F.0001.exr");
     std::sort(frames.begin(), frames.end(), [](const auto& a, const auto& b) { return std::stoull(a.first) < std::stoull(b.first); });
     return frames;
 }
@@ -61,20 +63,26 @@ std::vector<ComparedFrame> pair_frames(const std::string& test, const std::strin
         throw Error(ErrorCode::Usage, "a sequence is compared with a sequence", "compare", "write both as F.####.exr");
     std::vector<ComparedFrame> frames;
     for (const auto& [number, path] : tests) {
-        const auto found = std::find_if(references.begin(), references.end(), [&](const auto& other) { return !sequence || std::stoull(other.first) == std::stoull(number); });
-        if (found == references.end()) throw Error(ErrorCode::Failed, fmt::format("frame {} is missing", number), escape_name(reference), "render it");
+        const auto found = std::find_if(references.begin(), references.end(),
+                                        [&](const auto& other) { return !sequence || std::stoull(other.first) == std::stoull(number); });
+        if (found == references.end())
+            throw Error(ErrorCode::Failed, fmt::format("frame {} is missing", number), escape_name(reference), "render it");
         frames.push_back({.name = number, .test = path, .reference = found->second});
     }
     for (const auto& [number, path] : references)
-        if (std::none_of(tests.begin(), tests.end(), [&](const auto& other) { return !sequence || std::stoull(other.first) == std::stoull(number); }))
+        if (std::none_of(tests.begin(), tests.end(),
+                         [&](const auto& other) { return !sequence || std::stoull(other.first) == std::stoull(number); }))
             throw Error(ErrorCode::Failed, fmt::format("frame {} is missing", number), escape_name(test), "render it");
     return frames;
 }
 
-std::string file_name(const ComparedFrame& frame, const std::string& kind) { return frame.name.empty() ? kind + ".png" : fmt::format("{}.{}.png", kind, frame.name); }
+std::string file_name(const ComparedFrame& frame, const std::string& kind) {
+    return frame.name.empty() ? kind + ".png" : fmt::format("{}.{}.png", kind, frame.name);
+}
 
 // Both pictures as the comparison exposed them, and the FLIP map.
-void write_report_pictures(const ComparedFrame& frame, const std::string& layer, const image::ImageF& test, const image::ImageF& reference, const fs::path& folder) {
+void write_report_pictures(const ComparedFrame& frame, const std::string& layer, const image::ImageF& test, const image::ImageF& reference,
+                           const fs::path& folder) {
     const image::ToneCurve curve = frame.result.display_referred ? image::ToneCurve::Linear : image::ToneCurve::Agx;
     const double scale = frame.result.exposure_scale;
     image::write_png(folder / file_name(frame, "test"), image::tonemap_to_srgb(test, curve, scale, layer));
@@ -85,7 +93,8 @@ void write_report_pictures(const ComparedFrame& frame, const std::string& layer,
 void prepare_folder(const fs::path& folder) {
     std::error_code ec;
     fs::create_directory(folder, ec);
-    if (!fs::is_directory(folder, ec)) throw Error(ErrorCode::Failed, "the folder cannot be made", escape_name(folder.string()), "choose a folder that you may write to");
+    if (!fs::is_directory(folder, ec))
+        throw Error(ErrorCode::Failed, "the folder cannot be made", escape_name(folder.string()), "choose a folder that you may write to");
     check_writable(folder / "index.html");
 }
 
@@ -95,7 +104,8 @@ void check_limit(CompareReport& report, std::string_view what, std::optional<dou
     const auto over = [&](const ComparedFrame& frame) { return !(value(frame) <= *limit); };
     const auto count = std::count_if(report.frames.begin(), report.frames.end(), over);
     if (count == 0) return;
-    const auto worst = std::max_element(report.frames.begin(), report.frames.end(), [&](const auto& a, const auto& b) { return value(a) < value(b); });
+    const auto worst =
+        std::max_element(report.frames.begin(), report.frames.end(), [&](const auto& a, const auto& b) { return value(a) < value(b); });
     std::string line = fmt::format("{} is {:.6g}, the limit is {:.6g}", what, value(*worst), *limit);
     if (!worst->name.empty()) line += fmt::format(" ({} of {} frames are over it, worst {})", count, report.frames.size(), worst->name);
     report.exceeded.push_back(line);
@@ -110,9 +120,18 @@ void check_limits(CompareReport& report, const CompareLimits& limits) {
 }
 
 Json numbers_json(const image::Comparison& c) {
-    return {{"mean_ratio", c.mean_ratio.luminance}, {"mean_ratio_rgb", {c.mean_ratio.r, c.mean_ratio.g, c.mean_ratio.b}},
-            {"mse", c.mse}, {"relmse", c.relmse}, {"max_abs_error", c.max_abs_error}, {"psnr", c.psnr}, {"ssim", c.ssim}, {"flip", c.flip.mean},
-            {"nan_count", c.bad.nan}, {"inf_count", c.bad.infinite}, {"negative_count", c.bad.negative}, {"reference_nan_count", c.reference_bad.nan}};
+    return {{"mean_ratio", c.mean_ratio.luminance},
+            {"mean_ratio_rgb", {c.mean_ratio.r, c.mean_ratio.g, c.mean_ratio.b}},
+            {"mse", c.mse},
+            {"relmse", c.relmse},
+            {"max_abs_error", c.max_abs_error},
+            {"psnr", c.psnr},
+            {"ssim", c.ssim},
+            {"flip", c.flip.mean},
+            {"nan_count", c.bad.nan},
+            {"inf_count", c.bad.infinite},
+            {"negative_count", c.bad.negative},
+            {"reference_nan_count", c.reference_bad.nan}};
 }
 
 // Means over the frames, counts as sums.
@@ -141,7 +160,8 @@ image::Comparison mean_of(const std::vector<ComparedFrame>& frames) {
 
 }  // namespace
 
-CompareReport compare_files(const std::string& test, const std::string& reference, const std::string& layer, const CompareLimits& limits, const fs::path& html) {
+CompareReport compare_files(const std::string& test, const std::string& reference, const std::string& layer, const CompareLimits& limits,
+                            const fs::path& html) {
     CompareReport report{.test = test, .reference = reference, .frames = pair_frames(test, reference)};
     if (!html.empty()) prepare_folder(html);
     for (ComparedFrame& frame : report.frames) {
@@ -178,8 +198,9 @@ std::string compare_text(const CompareReport& report) {
     const image::Comparison mean = mean_of(report.frames);
     std::string out;
     if (!report.frames.front().name.empty()) out += fmt::format("frames      {} (means)\n", report.frames.size());
-    out += fmt::format("mean ratio  {:.6g}\nMSE         {:.6g}\nrelMSE      {:.6g}\nPSNR        {:.2f} dB\nSSIM        {:.5f}\nFLIP        {:.5f}\n", mean.mean_ratio.luminance,
-                       mean.mse, mean.relmse, mean.psnr, mean.ssim, mean.flip.mean);
+    out += fmt::format(
+        "mean ratio  {:.6g}\nMSE         {:.6g}\nrelMSE      {:.6g}\nPSNR        {:.2f} dB\nSSIM        {:.5f}\nFLIP        {:.5f}\n",
+        mean.mean_ratio.luminance, mean.mse, mean.relmse, mean.psnr, mean.ssim, mean.flip.mean);
     if (mean.bad.nan + mean.bad.infinite + mean.bad.negative > 0)
         out += fmt::format("broken      {} NaN, {} infinite, {} negative pixels\n", mean.bad.nan, mean.bad.infinite, mean.bad.negative);
     return out;

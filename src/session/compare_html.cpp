@@ -19,16 +19,18 @@ std::string picture(const ComparedFrame& frame, std::string_view kind) {
 
 std::string row(const ComparedFrame& frame) {
     const image::Comparison& c = frame.result;
-    return fmt::format("<tr><td>{}</td><td>{:.6g}</td><td>{:.6g}</td><td>{:.6g}</td><td>{:.2f}</td><td>{:.5f}</td><td>{:.5f}</td><td>{}</td></tr>\n",
-                       html_text(frame.name), c.mean_ratio.luminance, c.mse, c.relmse, c.psnr, c.ssim, c.flip.mean, c.bad.nan + c.bad.infinite);
+    return fmt::format(
+        "<tr><td>{}</td><td>{:.6g}</td><td>{:.6g}</td><td>{:.6g}</td><td>{:.2f}</td><td>{:.5f}</td><td>{:.5f}</td><td>{}</td></tr>\n",
+        html_text(frame.name), c.mean_ratio.luminance, c.mse, c.relmse, c.psnr, c.ssim, c.flip.mean, c.bad.nan + c.bad.infinite);
 }
 
 std::string figures(const ComparedFrame& frame) {
     std::string out = frame.name.empty() ? "" : fmt::format("<h2>frame {}</h2>\n", html_text(frame.name));
-    out += fmt::format("<figure><div class=\"swap\">{}{}</div><figcaption>test (reference under the pointer)</figcaption></figure>\n", picture(frame, "test"),
-                       picture(frame, "reference"));
+    out += fmt::format("<figure><div class=\"swap\">{}{}</div><figcaption>test (reference under the pointer)</figcaption></figure>\n",
+                       picture(frame, "test"), picture(frame, "reference"));
     out += fmt::format("<figure>{}<figcaption>reference</figcaption></figure>\n", picture(frame, "reference"));
-    return out + fmt::format("<figure>{}<figcaption>FLIP {:.5f}: black equal, yellow different</figcaption></figure>\n", picture(frame, "flip"), frame.result.flip.mean);
+    return out + fmt::format("<figure>{}<figcaption>FLIP {:.5f}: black equal, yellow different</figcaption></figure>\n",
+                             picture(frame, "flip"), frame.result.flip.mean);
 }
 
 }  // namespace
@@ -36,20 +38,33 @@ std::string figures(const ComparedFrame& frame) {
 std::string html_text(std::string_view text) {
     std::string out;
     for (const char c : escape_name(text)) switch (c) {
-            case '&': out += "&amp;"; break;
-            case '<': out += "&lt;"; break;
-            case '>': out += "&gt;"; break;
-            case '"': out += "&quot;"; break;
-            default: out += c;
+            case '&':
+                out += "&amp;";
+                break;
+            case '<':
+                out += "&lt;";
+                break;
+            case '>':
+                out += "&gt;";
+                break;
+            case '"':
+                out += "&quot;";
+                break;
+            default:
+                out += c;
         }
     return out;
 }
 
 std::string html_page(const CompareReport& report) {
-    std::string out = fmt::format("<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Comparison</title><style>{}</style></head><body>\n", kStyle);
+    std::string out = fmt::format(
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Comparison</title><style>{}</style></head><body>\n",
+        kStyle);
     out += fmt::format("<h1>{} against {}</h1>\n", html_text(report.test), html_text(report.reference));
     for (const std::string& line : report.exceeded) out += fmt::format("<p class=\"over\">{}</p>\n", html_text(line));
-    out += "<table><tr><th></th><th>mean ratio</th><th>MSE</th><th>relMSE</th><th>PSNR dB</th><th>SSIM</th><th>FLIP</th><th>broken pixels</th></tr>\n";
+    out +=
+        "<table><tr><th></th><th>mean ratio</th><th>MSE</th><th>relMSE</th><th>PSNR dB</th><th>SSIM</th><th>FLIP</th><th>broken "
+        "pixels</th></tr>\n";
     for (const ComparedFrame& frame : report.frames) out += row(frame);
     out += "</table>\n";
     for (const ComparedFrame& frame : report.frames) out += figures(frame);

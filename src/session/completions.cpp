@@ -57,17 +57,17 @@ std::string bash_completions() {
         command_words());
     for (const CommandSpec& spec : command_table()) out += bash_command(spec);
     return out + fmt::format(
-        "    esac\n"
-        "    if [[ $word == -* ]]; then\n"
-        "        COMPREPLY=($(compgen -W \"$options\" -- \"$word\"))\n"
-        "    elif [[ ${{COMP_WORDS[1]}} == help ]]; then\n"
-        "        COMPREPLY=($(compgen -W '{0}' -- \"$word\"))\n"
-        "    else\n"
-        "        COMPREPLY=($(compgen -f -- \"$word\"))\n"
-        "    fi\n"
-        "}}\n"
-        "complete -o filenames -F _parhelion parhelion\n",
-        command_words());
+                     "    esac\n"
+                     "    if [[ $word == -* ]]; then\n"
+                     "        COMPREPLY=($(compgen -W \"$options\" -- \"$word\"))\n"
+                     "    elif [[ ${{COMP_WORDS[1]}} == help ]]; then\n"
+                     "        COMPREPLY=($(compgen -W '{0}' -- \"$word\"))\n"
+                     "    else\n"
+                     "        COMPREPLY=($(compgen -f -- \"$word\"))\n"
+                     "    fi\n"
+                     "}}\n"
+                     "complete -o filenames -F _parhelion parhelion\n",
+                     command_words());
 }
 
 // Text inside single quotes; zsh's _arguments also gives meaning to brackets and colons.
@@ -95,8 +95,9 @@ std::string zsh_option(const OptionSpec& option) {
 }
 
 std::string zsh_completions() {
-    std::string out = "#compdef parhelion\n# made by: parhelion help --completions zsh\n_parhelion() {\n    if ((CURRENT == 2)); then\n"
-                      "        local -a commands=(\n";
+    std::string out =
+        "#compdef parhelion\n# made by: parhelion help --completions zsh\n_parhelion() {\n    if ((CURRENT == 2)); then\n"
+        "        local -a commands=(\n";
     for (const CommandSpec& spec : command_table()) out += fmt::format("            '{}:{}'\n", spec.name, zsh_text(spec.summary));
     out += "        )\n        _describe command commands\n        return\n    fi\n    local -a arguments\n    case ${words[2]} in\n";
     for (const CommandSpec& spec : command_table()) {
@@ -142,7 +143,8 @@ std::string completions(std::string_view shell) {
     if (shell == "bash") return bash_completions();
     if (shell == "zsh") return zsh_completions();
     if (shell == "fish") return fish_completions();
-    throw Error(ErrorCode::Usage, fmt::format("there are no completions for '{}'", escape_name(shell)), "--completions", "use bash, zsh or fish");
+    throw Error(ErrorCode::Usage, fmt::format("there are no completions for '{}'", escape_name(shell)), "--completions",
+                "use bash, zsh or fish");
 }
 
 }  // namespace parhelion

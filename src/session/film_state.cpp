@@ -8,8 +8,15 @@ namespace parhelion {
 
 uint64_t hash_render(const Scene& scene, const ViewDesc& view, const RenderSettings& settings) {
     Hasher hasher;
-    hasher.add(hash_scene(scene)).add(hash_settings(settings)).add(view.width).add(view.height).add(view.seed).add(view.max_bounces).add(view.filter);
-    for (const glm::vec3& v : {view.camera.position_ws, view.camera.right_ws, view.camera.up_ws, view.camera.forward_ws}) hasher.add(v.x).add(v.y).add(v.z);
+    hasher.add(hash_scene(scene))
+        .add(hash_settings(settings))
+        .add(view.width)
+        .add(view.height)
+        .add(view.seed)
+        .add(view.max_bounces)
+        .add(view.filter);
+    for (const glm::vec3& v : {view.camera.position_ws, view.camera.right_ws, view.camera.up_ws, view.camera.forward_ws})
+        hasher.add(v.x).add(v.y).add(v.z);
     hasher.add(view.camera.orthographic);
     return hasher.value();
 }
@@ -39,12 +46,15 @@ image::FilmSums make_film_sums(FilmReadback film, Size2 size, IndexRange samples
 }
 
 image::FilmSums read_checkpoint(const std::filesystem::path& file, const image::FilmSums& expected, IndexRange wanted) {
-    const auto refuse = [&](std::string what, std::string hint) { throw Error(ErrorCode::Failed, std::move(what), escape_name(file.string()), std::move(hint)); };
+    const auto refuse = [&](std::string what, std::string hint) {
+        throw Error(ErrorCode::Failed, std::move(what), escape_name(file.string()), std::move(hint));
+    };
     image::FilmSums film = image::read_film_exr(file);
     const bool same = film.width == expected.width && film.height == expected.height && film.channels == expected.channels &&
                       film.attributes == expected.attributes && film.sample_begin == wanted.begin;
     if (!same) refuse("it is the checkpoint of another render", "repeat the command that wrote it, or choose another file");
-    if (film.sample_end > wanted.end) refuse(fmt::format("it already holds {} samples", film.sample_end - film.sample_begin), "ask for at least as many");
+    if (film.sample_end > wanted.end)
+        refuse(fmt::format("it already holds {} samples", film.sample_end - film.sample_begin), "ask for at least as many");
     return film;
 }
 

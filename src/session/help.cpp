@@ -81,15 +81,18 @@ std::string option_remarks(const OptionSpec& option) {
 }  // namespace detail
 
 std::string overview_help() {
-    std::string out = fmt::format("Parhelion {}: a ray-traced lighting renderer.\n\nUsage: parhelion COMMAND [options]\n\nCommands:\n", version());
-    for (const CommandSpec& spec : command_table()) out += fmt::format("  {:<24}{}\n", std::string(spec.name) + " " + std::string(spec.positionals), spec.summary);
+    std::string out =
+        fmt::format("Parhelion {}: a ray-traced lighting renderer.\n\nUsage: parhelion COMMAND [options]\n\nCommands:\n", version());
+    for (const CommandSpec& spec : command_table())
+        out += fmt::format("  {:<24}{}\n", std::string(spec.name) + " " + std::string(spec.positionals), spec.summary);
     out += "\nTry:\n  parhelion render builtin:cornell --out cornell.png\n  parhelion help render\n\n";
     return out + "Exit codes:\n" + named_rows(exit_code_table()) + "\nEnvironment:\n" + named_rows(environment_table());
 }
 
 std::string command_help(Command command) {
     const CommandSpec& spec = command_spec(command);
-    std::string out = fmt::format("Usage: {}\n\n{}{}.\n", usage_line(spec), static_cast<char>(std::toupper(spec.summary[0])), spec.summary.substr(1));
+    std::string out =
+        fmt::format("Usage: {}\n\n{}{}.\n", usage_line(spec), static_cast<char>(std::toupper(spec.summary[0])), spec.summary.substr(1));
     for_each_paragraph(spec.description, [&](std::string_view paragraph) { out += "\n" + wrap(paragraph, 0); });
     std::string_view section;
     for (const OptionSpec* option : options_of(command)) {
@@ -134,10 +137,11 @@ std::string markdown_command(const CommandSpec& spec) {
 }  // namespace
 
 std::string markdown_help() {
-    std::string out = "# Command line\n\nMade by `parhelion help --markdown` from the table in `src/session/option_table.cpp`: change it there.\n\n"
-                      "Results go to stdout, everything else to stderr. An option's value may be written `--spp 64` or `--spp=64`. Later wins: "
-                      "defaults, `--preset`, environment, options.\nEvery JSON has `\"schema\": 1`; a failed run with `--json` writes "
-                      "`{\"schema\": 1, \"error\": {\"code\", \"what\", \"where\", \"hint\"}}`.\n";
+    std::string out =
+        "# Command line\n\nMade by `parhelion help --markdown` from the table in `src/session/option_table.cpp`: change it there.\n\n"
+        "Results go to stdout, everything else to stderr. An option's value may be written `--spp 64` or `--spp=64`. Later wins: "
+        "defaults, `--preset`, environment, options.\nEvery JSON has `\"schema\": 1`; a failed run with `--json` writes "
+        "`{\"schema\": 1, \"error\": {\"code\", \"what\", \"where\", \"hint\"}}`.\n";
     for (const CommandSpec& spec : command_table()) out += markdown_command(spec);
     return out + markdown_rows("Exit codes", exit_code_table()) + markdown_rows("Environment", environment_table());
 }
@@ -177,8 +181,9 @@ std::string man_command(const CommandSpec& spec) {
 std::string man_page() {
     std::string out = fmt::format(".TH PARHELION 1 \"\" \"Parhelion {}\" \"User Commands\"\n", version());
     out += ".SH NAME\nparhelion \\- ray\\-traced lighting renderer\n.SH SYNOPSIS\n.B parhelion\n.I command\n[options]\n";
-    out += ".SH DESCRIPTION\nDraws glTF scenes on any Vulkan device: a GPU with ray tracing hardware, one without, or a CPU.\n"
-           "Results go to stdout, everything else to stderr.\n.SH COMMANDS\n";
+    out +=
+        ".SH DESCRIPTION\nDraws glTF scenes on any Vulkan device: a GPU with ray tracing hardware, one without, or a CPU.\n"
+        "Results go to stdout, everything else to stderr.\n.SH COMMANDS\n";
     for (const CommandSpec& spec : command_table()) out += man_command(spec);
     out += ".SH EXIT STATUS\n";
     for (const NamedHelp& row : exit_code_table()) out += roff_item(row.name, row.help);

@@ -13,7 +13,9 @@ Json vector_json(glm::vec3 v) { return {v.x, v.y, v.z}; }
 Json textures_json(const SceneInfo& info) {
     Json list = Json::array();
     for (const TextureInfoRow& row : info.textures)
-        list.push_back({{"name", row.name}, {"size", {row.width, row.height}}, {"color_space", row.color_space == ColorSpace::Srgb ? "srgb" : "linear"}});
+        list.push_back({{"name", row.name},
+                        {"size", {row.width, row.height}},
+                        {"color_space", row.color_space == ColorSpace::Srgb ? "srgb" : "linear"}});
     return list;
 }
 
@@ -47,7 +49,8 @@ Json info_json(const SceneInfo& info) {
             {"emissive_triangles", info.emissive_triangles},
             {"environment", info.environment},
             {"cameras", info.cameras},
-            {"bounds", info.bounds.empty() ? Json(nullptr) : Json{{"min", vector_json(info.bounds.min)}, {"max", vector_json(info.bounds.max)}}},
+            {"bounds",
+             info.bounds.empty() ? Json(nullptr) : Json{{"min", vector_json(info.bounds.min)}, {"max", vector_json(info.bounds.max)}}},
             {"scripted_edits", info.scripted_edits},
             {"animations", info.animations},
             {"skins", info.skins},

@@ -124,8 +124,8 @@ void Job::load() {
     report_.triangles = count_triangles(loaded_.scene);
     report_.instances = loaded_.scene.instances().size();
     report_.load_seconds = seconds_since(begin);
-    log(LogLevel::Info, "scene {}: {} triangles in {} instances, camera {}", escape_name(report_.scene), report_.triangles, report_.instances,
-        escape_name(report_.camera));
+    log(LogLevel::Info, "scene {}: {} triangles in {} instances, camera {}", escape_name(report_.scene), report_.triangles,
+        report_.instances, escape_name(report_.camera));
 }
 
 void Job::open_device() {
@@ -199,7 +199,9 @@ bool Job::should_stop() {
     if (!options_.time_budget_seconds || seconds_since(began_) < *options_.time_budget_seconds) return false;
     // Out of time. What is written needs at least one sample in every pixel, a part one block.
     const uint64_t done = slicer_->whole_samples();
-    if (done <= options_.samples.begin || (options_.is_part && (done / shared::kSamplesPerBlock * shared::kSamplesPerBlock) <= options_.samples.begin)) return false;
+    if (done <= options_.samples.begin ||
+        (options_.is_part && (done / shared::kSamplesPerBlock * shared::kSamplesPerBlock) <= options_.samples.begin))
+        return false;
     report_.out_of_time = true;
     return !(in_block && slicer_->inside_block_end());
 }
@@ -221,11 +223,13 @@ void Job::render() {
         frame_->run();
         slicer_->measured(*slice, seconds_since(slice_begin));
         add_times(report_.passes, *frame_);
-        if (options_.list_frame && slice->first_row == 0 && slice->first_sample == report_.resumed_at) report_.listing += "\nslice\n" + frame_->listing(true);
+        if (options_.list_frame && slice->first_row == 0 && slice->first_sample == report_.resumed_at)
+            report_.listing += "\nslice\n" + frame_->listing(true);
         show_progress(progress);
         if (options_.list_frame && options_.output.files.empty()) break;
         const bool at_block_end = slicer_->whole_samples() % shared::kSamplesPerBlock == 0 && slicer_->whole_samples() > checkpoint_end_;
-        if (!options_.checkpoint.empty() && at_block_end && seconds_since(checkpoint_time_) > options_.checkpoint_seconds) save_checkpoint();
+        if (!options_.checkpoint.empty() && at_block_end && seconds_since(checkpoint_time_) > options_.checkpoint_seconds)
+            save_checkpoint();
     }
     report_.render_seconds = seconds_since(begin);
     report_.finished_end = slicer_->whole_samples();
@@ -234,13 +238,15 @@ void Job::render() {
 // A lost device takes its film with it; what a checkpoint holds is still there.
 void Job::rethrow_with_checkpoint(const Error& error) const {
     if (checkpoint_end_ <= options_.samples.begin) throw error;
-    const std::string hint = fmt::format("{}{} samples are in {}: the same command with --resume continues there", error.hint.empty() ? "" : error.hint + "; ",
-                                         checkpoint_end_ - options_.samples.begin, escape_name(options_.checkpoint.string()));
+    const std::string hint =
+        fmt::format("{}{} samples are in {}: the same command with --resume continues there", error.hint.empty() ? "" : error.hint + "; ",
+                    checkpoint_end_ - options_.samples.begin, escape_name(options_.checkpoint.string()));
     throw Error(error.code, error.problem, error.where, hint);
 }
 
 image::FilmSums Job::sums_of(FilmReadback film, uint64_t end) const {
-    return make_film_sums(std::move(film), options_.size, {options_.samples.begin, end}, film_attributes(report_.settings_hash, report_.exposure_ev));
+    return make_film_sums(std::move(film), options_.size, {options_.samples.begin, end},
+                          film_attributes(report_.settings_hash, report_.exposure_ev));
 }
 
 void Job::save_checkpoint() {
@@ -286,12 +292,14 @@ void Job::log_finished() const {
     const uint64_t wanted = options_.samples.end - options_.samples.begin;
     const char* why = report_.interrupt != platform::Interrupt::None ? "interrupted" : report_.out_of_time ? "time budget used up" : "done";
     if (report_.written.empty()) {
-        log(LogLevel::Warn, "{} before {} was finished: nothing is written", why, options_.is_part ? "the first block of 64 samples" : "the first sample of every pixel");
+        log(LogLevel::Warn, "{} before {} was finished: nothing is written", why,
+            options_.is_part ? "the first block of 64 samples" : "the first sample of every pixel");
         return;
     }
     std::string names;
     for (const auto& file : report_.written) names += (names.empty() ? "" : ", ") + escape_name(file.string());
-    log(LogLevel::Info, "{}: {} of {} samples in {}, written to {}", why, report_.sample_count(), wanted, format_duration(report_.render_seconds), names);
+    log(LogLevel::Info, "{}: {} of {} samples in {}, written to {}", why, report_.sample_count(), wanted,
+        format_duration(report_.render_seconds), names);
 }
 
 void Job::finish_report() {
@@ -300,12 +308,15 @@ void Job::finish_report() {
     report_.memory = device_->memory_use();
     report_.peak_host_bytes = platform::peak_resident_bytes();
     if (const uint64_t count = options_.validate ? device_->validation_message_count() : 0; count != 0)
-        throw Error(ErrorCode::Failed, fmt::format("the validation layers reported {} messages", count), "--validate", "they are printed above");
+        throw Error(ErrorCode::Failed, fmt::format("the validation layers reported {} messages", count), "--validate",
+                    "they are printed above");
 }
 
 }  // namespace
 
 RenderReport run_render_job(const RenderOptions& options, gpu::DevicePtr device) { return Job(options, std::move(device)).run(); }
-TraceShare measure_job_trace_share(const RenderOptions& options, gpu::DevicePtr device) { return Job(options, std::move(device)).measure_share(); }
+TraceShare measure_job_trace_share(const RenderOptions& options, gpu::DevicePtr device) {
+    return Job(options, std::move(device)).measure_share();
+}
 
 }  // namespace parhelion

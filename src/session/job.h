@@ -44,7 +44,7 @@ struct RenderReport {
     std::string listing;  // --list-frame
 
     uint64_t sample_count() const { return finished_end > wanted.begin ? finished_end - wanted.begin : 0; }
-    double trace_seconds() const;           // GPU time of the tracing passes
+    double trace_seconds() const;            // GPU time of the tracing passes
     double mega_rays_per_second() const;     // all rays over the GPU time of the tracing passes
     double mega_samples_per_second() const;  // pixel-samples of this run over its render time
 };

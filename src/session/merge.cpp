@@ -29,11 +29,12 @@ image::FilmSums merge_parts(std::span<const std::filesystem::path> parts) {
     PARHELION_CHECK(!sorted.empty(), "there are no parts");
     image::FilmSums merged = image::read_film_exr(sorted.front());
     if (merged.sample_begin != 0)
-        throw Error(ErrorCode::Failed, fmt::format("the samples 0-{} are missing before it", merged.sample_begin), escape_name(sorted.front().string()),
-                    "render them with --spp-range");
+        throw Error(ErrorCode::Failed, fmt::format("the samples 0-{} are missing before it", merged.sample_begin),
+                    escape_name(sorted.front().string()), "render them with --spp-range");
     for (size_t i = 1; i < sorted.size(); ++i) {
         const image::FilmSums next = image::read_film_exr(sorted[i]);
-        const std::array<image::FilmPart, 2> pair = {image::FilmPart{&merged, sorted[i - 1].string()}, image::FilmPart{&next, sorted[i].string()}};
+        const std::array<image::FilmPart, 2> pair = {image::FilmPart{&merged, sorted[i - 1].string()},
+                                                     image::FilmPart{&next, sorted[i].string()}};
         merged = image::merge_films(pair);
     }
     return merged;

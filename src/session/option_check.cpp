@@ -96,13 +96,15 @@ void check_number(const OptionSpec& option, std::string_view text, std::string_v
             parse_float(text, where, option.min, option.max);
     } catch (const Error& error) {
         if (option.choices.empty()) throw;
-        throw Error(error.code, error.problem, error.where, fmt::format("a number from {} to {}, or {}", option.min, option.max, option.choices));
+        throw Error(error.code, error.problem, error.where,
+                    fmt::format("a number from {} to {}, or {}", option.min, option.max, option.choices));
     }
 }
 
 void check_assignment(std::string_view text, std::string_view where) {
     const size_t equals = text.find('=');
-    if (equals == std::string_view::npos || equals == 0 || equals + 1 == text.size() || text.substr(0, equals).find('.') == std::string_view::npos)
+    if (equals == std::string_view::npos || equals == 0 || equals + 1 == text.size() ||
+        text.substr(0, equals).find('.') == std::string_view::npos)
         throw Error(ErrorCode::Usage, fmt::format("'{}' is not of the form group.field=value", escape_name(text)), std::string(where),
                     "parhelion settings lists them all");
 }
@@ -148,24 +150,43 @@ void check_value(const OptionSpec& option, std::string_view text, std::string_vi
     if (text.empty() && option.kind != ValueKind::Flag)
         throw Error(ErrorCode::Usage, "its value is empty", std::string(where), fmt::format("{} {}", option.name, option.value));
     switch (option.kind) {
-        case ValueKind::Flag: parse_bool(text, where); break;
+        case ValueKind::Flag:
+            parse_bool(text, where);
+            break;
         case ValueKind::Integer:
-        case ValueKind::Number: check_number(option, text, where); break;
-        case ValueKind::Size: parse_size(text, where); break;
-        case ValueKind::Range: parse_range(text, where); break;
+        case ValueKind::Number:
+            check_number(option, text, where);
+            break;
+        case ValueKind::Size:
+            parse_size(text, where);
+            break;
+        case ValueKind::Range:
+            parse_range(text, where);
+            break;
         case ValueKind::CountOrRange:
             if (text.find('-', 1) != std::string_view::npos)
                 parse_range(text, where);
             else
                 parse_int(text, where, 1, 1 << 30);
             break;
-        case ValueKind::Vector: parse_vec3(text, where); break;
-        case ValueKind::Duration: parse_duration_seconds(text, where); break;
-        case ValueKind::Choice: check_choice(option, text, where); break;
-        case ValueKind::List: expand_list(option, text, where); break;
-        case ValueKind::Assignment: check_assignment(text, where); break;
+        case ValueKind::Vector:
+            parse_vec3(text, where);
+            break;
+        case ValueKind::Duration:
+            parse_duration_seconds(text, where);
+            break;
+        case ValueKind::Choice:
+            check_choice(option, text, where);
+            break;
+        case ValueKind::List:
+            expand_list(option, text, where);
+            break;
+        case ValueKind::Assignment:
+            check_assignment(text, where);
+            break;
         case ValueKind::Text:
-        case ValueKind::File: break;
+        case ValueKind::File:
+            break;
     }
 }
 

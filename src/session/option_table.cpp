@@ -19,6 +19,8 @@ constexpr std::string_view kPathTracersOnly = "leave it out: only the path trace
 constexpr std::string_view kRealtimeOnly = "leave it out: only --renderer realtime has it";
 constexpr uint32_t kLength = 1, kViewpoint = 2;  // exclusive groups
 
+// A row of a few lines each, with the fields that it needs.
+// clang-format off
 const OptionSpec kOptions[] = {
     // The picture
     {.name = "--renderer", .section = "Picture", .commands = kRender, .kind = ValueKind::Choice, .value = "NAME", .fallback = "reference",
@@ -47,7 +49,8 @@ const OptionSpec kOptions[] = {
     {.name = "--denoise", .section = "Picture", .commands = kRender, .kind = ValueKind::Choice, .value = "NAME", .fallback = "none",
      .help = "remove noise from the finished picture", .choices = "none|builtin|oidn", .absent_choices = "builtin|oidn"},
     {.name = "--upscale", .section = "Picture", .commands = kRender, .kind = ValueKind::Number, .value = "X",
-     .help = "render smaller by this factor and reconstruct", .min = 1, .max = 4, .bits = kAbsent, .renderers = kRealtime, .instead = kRealtimeOnly},
+     .help = "render smaller by this factor and reconstruct", .min = 1, .max = 4, .bits = kAbsent, .renderers = kRealtime,
+     .instead = kRealtimeOnly},
     {.name = "--average", .section = "Picture", .commands = kRender, .help = "write the mean of all frames after the warm-up",
      .bits = kAbsent, .renderers = kRealtime, .instead = kUseSpp},
     {.name = "--warmup", .section = "Picture", .commands = kRender, .kind = ValueKind::Integer, .value = "N",
@@ -83,16 +86,19 @@ const OptionSpec kOptions[] = {
     // Output
     {.name = "--out", .section = "Output", .commands = kRender | kMerge, .kind = ValueKind::File, .value = "F.exr|F.png",
      .help = "where the picture goes; give it again for a second format", .bits = kRepeats | kNotInPreset},
-    {.name = "--exr-type", .section = "Output", .commands = kRender | kMerge, .kind = ValueKind::Choice, .value = "TYPE", .fallback = "half",
+    {.name = "--exr-type", .section = "Output", .commands = kRender | kMerge, .kind = ValueKind::Choice, .value = "TYPE",
+     .fallback = "half",
      .help = "numbers in the EXR", .choices = "half|float"},
     {.name = "--aov", .section = "Output", .commands = kRender, .kind = ValueKind::List, .value = "LIST",
      .help = "further layers of the EXR, separated by commas; path.* stands for all of a group",
-     .choices = "albedo|normal|emission|roughness|depth|motion|path.emission|path.direct_diffuse|path.direct_specular|path.indirect_diffuse|path.indirect_specular|"
-                "path.transmission",
+     .choices = "albedo|normal|emission|roughness|depth|motion|path.emission|path.direct_diffuse|path.direct_specular|"
+                "path.indirect_diffuse|path.indirect_specular|path.transmission",
      .absent_choices = "depth|motion"},
     {.name = "--checkpoint", .section = "Output", .commands = kRender, .kind = ValueKind::File, .value = "F",
-     .help = "save the state of the render here from time to time", .bits = kNotInPreset, .renderers = kPathTracers, .instead = kPathTracersOnly},
-    {.name = "--checkpoint-every", .section = "Output", .commands = kRender, .kind = ValueKind::Duration, .value = "TIME", .fallback = "60s",
+     .help = "save the state of the render here from time to time", .bits = kNotInPreset, .renderers = kPathTracers,
+     .instead = kPathTracersOnly},
+    {.name = "--checkpoint-every", .section = "Output", .commands = kRender, .kind = ValueKind::Duration, .value = "TIME",
+     .fallback = "60s",
      .help = "time between two checkpoints", .bits = kNotInPreset, .renderers = kPathTracers, .instead = kPathTracersOnly},
     {.name = "--resume", .section = "Output", .commands = kRender, .help = "continue from the file of --checkpoint if it is there",
      .bits = kNotInPreset, .renderers = kPathTracers, .instead = kPathTracersOnly},
@@ -100,17 +106,21 @@ const OptionSpec kOptions[] = {
      .help = "write the numbers of the run as JSON; - is stdout", .bits = kNotInPreset},
     {.name = "--json", .section = "Output", .commands = kCompare | kDevices | kInfo | kSettings, .kind = ValueKind::File, .value = "F",
      .help = "print JSON; --json=F writes it to a file", .bits = kNotInPreset | kOptionalValue},
-    {.name = "--list-frame", .section = "Output", .commands = kRender, .help = "print the passes of the frame with reads, writes and GPU times",
+    {.name = "--list-frame", .section = "Output", .commands = kRender,
+     .help = "print the passes of the frame with reads, writes and GPU times",
      .bits = kNotInPreset},
 
     // Device and settings
-    {.name = "--trace", .section = "Device and settings", .commands = kRender, .kind = ValueKind::Choice, .value = "WAY", .fallback = "auto",
+    {.name = "--trace", .section = "Device and settings", .commands = kRender, .kind = ValueKind::Choice, .value = "WAY",
+     .fallback = "auto",
      .help = "how rays are traced: ray tracing pipeline, ray queries, or our own BVH", .choices = "auto|pipeline|query|compute"},
     {.name = "--device", .section = "Device and settings", .commands = kRender | kBench, .kind = ValueKind::Text, .value = "NAME|INDEX",
      .help = "a device of `parhelion devices` (default: the best)", .environment = "PARHELION_DEVICE"},
-    {.name = "--validate", .section = "Device and settings", .commands = kRender, .help = "run under the Vulkan validation layers; a message is a failure",
+    {.name = "--validate", .section = "Device and settings", .commands = kRender,
+     .help = "run under the Vulkan validation layers; a message is a failure",
      .bits = kNotInPreset},
-    {.name = "--set", .section = "Device and settings", .commands = kRender | kBench, .kind = ValueKind::Assignment, .value = "group.field=value",
+    {.name = "--set", .section = "Device and settings", .commands = kRender | kBench, .kind = ValueKind::Assignment,
+     .value = "group.field=value",
      .help = "change one of the settings that `parhelion settings` lists", .bits = kRepeats},
     {.name = "--preset", .section = "Device and settings", .commands = kRender, .kind = ValueKind::File, .value = "F.json",
      .help = "take options from a file; environment and options win over it", .bits = kNotInPreset},
@@ -128,7 +138,8 @@ const OptionSpec kOptions[] = {
      .help = "exit with 4 if the relative mean squared error is larger", .min = 0, .max = 1e12},
 
     // devices, info
-    {.name = "--require", .section = "Options", .commands = kDevices, .help = "list what Parhelion needs; exit with 3 if no device has it"},
+    {.name = "--require", .section = "Options", .commands = kDevices, .help = "exit with 3 unless a device has all that Parhelion "
+    "needs; the list says what each lacks"},
     {.name = "--measure", .section = "Options", .commands = kDevices,
      .help = "time every way to trace on the built-in Cornell box; `auto` itself never measures"},
     {.name = "--export", .section = "Options", .commands = kInfo, .kind = ValueKind::File, .value = "F.glb",
@@ -138,7 +149,8 @@ const OptionSpec kOptions[] = {
     {.name = "--scene", .section = "What runs", .commands = kBench, .kind = ValueKind::Text, .value = "SCENE",
      .help = "a scene instead of the suite's; may be given again", .bits = kRepeats},
     {.name = "--trace", .section = "What runs", .commands = kBench, .kind = ValueKind::Choice, .value = "WAY",
-     .help = "one way to trace instead of all that the device has; may be given again", .choices = "pipeline|query|compute", .bits = kRepeats},
+     .help = "one way to trace instead of all that the device has; may be given again", .choices = "pipeline|query|compute",
+     .bits = kRepeats},
     {.name = "--size", .section = "What runs", .commands = kBench, .kind = ValueKind::Size, .value = "WxH",
      .help = "size of the pictures (default: the suite's)"},
     {.name = "--spp", .section = "What runs", .commands = kBench, .kind = ValueKind::Integer, .value = "N",
@@ -156,33 +168,41 @@ const OptionSpec kOptions[] = {
 const CommandSpec kCommands[] = {
     {Command::Render, "render", "SCENE", 1, 1, "draw a scene",
      "SCENE is a .gltf or .glb file or a built-in scene such as builtin:cornell. A scene without a camera gets one that frames it; a scene "
-     "without any light gets a sky, and the program says so.\n\nEXR files hold light in nits before exposure; PNG files are exposed and tone "
-     "mapped. Files appear whole or not at all. The same command on the same device, driver and way to trace gives identical files.",
-     {"parhelion render builtin:cornell --out cornell.png", "parhelion render scene.glb --env sky.hdr --size 1920x1080 --spp 256 --out a.exr --out a.png",
+     "without any light gets a sky, and the program says so.\n\nEXR files hold light in nits before exposure; PNG files are exposed "
+     "and tone mapped. Files appear whole or not at all. The same command on the same device, driver and way to trace gives identical "
+     "files.",
+     {"parhelion render builtin:cornell --out cornell.png",
+      "parhelion render scene.glb --env sky.hdr --size 1920x1080 --spp 256 --out a.exr --out a.png",
       "parhelion render scene.glb --look-from 3,2,5 --look-at 0,1,0 --fov 40 --out a.png",
       "parhelion render scene.glb --spp-range 0-512 --out part0.exr --json part0.json",
       "parhelion render scene.glb --spp 4096 --checkpoint a.state --resume --out a.exr",
       "parhelion render builtin:cornell --set sampler.kind=pcg --out a.exr"}},
     {Command::Compare, "compare", "TEST REFERENCE", 2, 2, "measure how far a picture is from its reference",
-     "Prints mean ratio, MSE, relative MSE, PSNR, SSIM and FLIP of TEST against REFERENCE. Both are exposed with the exposure recorded in the "
-     "reference, or metered from it if it records none. F.####.exr stands for a numbered sequence, compared frame by frame: a limit holds "
-     "for every frame, and a frame that only one side has is an error. With a limit, broken pixels (NaN, infinite) are over it.",
+     "Prints mean ratio, MSE, relative MSE, PSNR, SSIM and FLIP of TEST against REFERENCE. Both are exposed with the exposure "
+     "recorded in the reference, or metered from it if it records none. F.####.exr stands for a numbered sequence, compared frame by "
+     "frame: a limit holds for every frame, and a frame that only one side has is an error. With a limit, broken pixels (NaN, "
+     "infinite) are over it.",
      {"parhelion compare test.exr reference.exr", "parhelion compare test.exr reference.exr --max-flip 0.05 --html report",
       "parhelion compare 'a.####.exr' 'b.####.exr' --json"}},
     {Command::Merge, "merge", "PART...", 1, 100000, "join the parts of `render --spp-range` into one picture",
-     "The result is identical, bit for bit, to the picture that one run with all samples writes. Parts may be given in any order. Parts that "
-     "overlap, leave a gap or were made with different settings are refused.",
+     "The result is identical, bit for bit, to the picture that one run with all samples writes. Parts may be given in any order. "
+     "Parts that overlap, leave a gap or were made with different settings are refused.",
      {"parhelion merge part0.exr part1.exr --out whole.exr --out whole.png"}},
     {Command::Devices, "devices", "", 0, 0, "list the Vulkan devices and what each can do", "",
      {"parhelion devices", "parhelion devices --require", "parhelion devices --json"}},
-    {Command::Info, "info", "SCENE", 1, 1, "say what is in a scene", "", {"parhelion info scene.glb", "parhelion info builtin:cornell --json"}},
+    {Command::Info, "info", "SCENE", 1, 1, "say what is in a scene", "",
+     {"parhelion info scene.glb", "parhelion info builtin:cornell --json"}},
     {Command::Bench, "bench", "[SUITE]", 0, 1, "measure speed: scenes x renderers x ways to trace",
-     "SUITE is quick (default), full, or replay (which share of a pass its rays alone take). Prints a table, and JSON with --json. Compare numbers of one device only.",
-     {"parhelion bench", "parhelion bench full --json now.json --baseline before.json", "parhelion bench --scene scene.glb --trace compute"}},
+     "SUITE is quick (default), full, or replay (which share of a pass its rays alone take). Prints a table, and JSON with --json. "
+     "Compare numbers of one device only.",
+     {"parhelion bench", "parhelion bench full --json now.json --baseline before.json",
+      "parhelion bench --scene scene.glb --trace compute"}},
     {Command::Settings, "settings", "", 0, 0, "list every setting of --set with its range and default", "", {"parhelion settings"}},
     {Command::Help, "help", "[COMMAND]", 0, 1, "explain a command", "",
-     {"parhelion help render", "parhelion help --man > parhelion.1", "parhelion help --completions bash > /etc/bash_completion.d/parhelion"}},
+     {"parhelion help render", "parhelion help --man > parhelion.1",
+      "parhelion help --completions bash > /etc/bash_completion.d/parhelion"}},
 };
+// clang-format on
 
 constexpr NamedHelp kExitCodes[] = {
     {"0", "done"},

@@ -52,12 +52,12 @@ struct OptionSpec {
     std::string_view section;  // heading in `help`
     uint32_t commands = 0;     // bits: command_bit()
     ValueKind kind = ValueKind::Flag;
-    std::string_view value;     // how help shows the value: "N"
-    std::string_view fallback;  // default, "" for none
-    std::string_view help;      // one line
-    std::string_view choices;   // "a|b|c"
+    std::string_view value;           // how help shows the value: "N"
+    std::string_view fallback;        // default, "" for none
+    std::string_view help;            // one line
+    std::string_view choices;         // "a|b|c"
     std::string_view absent_choices;  // those of them that this version does not have: "b|c"
-    double min = 0, max = 0;    // Integer and Number
+    double min = 0, max = 0;          // Integer and Number
     uint32_t bits = 0;
     uint32_t renderers = kEveryRenderer;
     std::string_view instead;      // for a renderer that it does not fit: what to use
@@ -70,10 +70,10 @@ constexpr uint32_t command_bit(Command command) { return 1u << static_cast<uint3
 std::span<const CommandSpec> command_table();
 std::span<const OptionSpec> option_table();
 const CommandSpec& command_spec(Command command);
-const CommandSpec* find_command(std::string_view name);                     // nullptr: there is none
-const OptionSpec* find_option(Command command, std::string_view name);      // with its dashes; nullptr: there is none
-std::vector<const OptionSpec*> options_of(Command command);                 // in table order, sections together
-std::vector<std::string_view> split_choices(std::string_view choices);      // at '|'
+const CommandSpec* find_command(std::string_view name);                                     // nullptr: there is none
+const OptionSpec* find_option(Command command, std::string_view name);                      // with its dashes; nullptr: there is none
+std::vector<const OptionSpec*> options_of(Command command);                                 // in table order, sections together
+std::vector<std::string_view> split_choices(std::string_view choices);                      // at '|'
 std::string nearest_name(std::string_view given, std::span<const std::string_view> names);  // "" if none is close
 
 // Throws a usage Error unless `text` is a complete, valid value of the option. `where` names the source: "--spp", a preset's key.

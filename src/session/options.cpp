@@ -99,7 +99,8 @@ std::string preset_text(const Json& value, const std::string& where) {
 void check_schema(const Json& root, const std::string& file) {
     if (!root.is_object()) throw Error(ErrorCode::Usage, "is not a JSON object", file, "a preset looks like {\"schema\": 1, \"spp\": 256}");
     const auto schema = root.find("schema");
-    if (schema == root.end() || *schema != 1) throw Error(ErrorCode::Usage, "lacks \"schema\": 1", file, "render --print-settings writes a preset");
+    if (schema == root.end() || *schema != 1)
+        throw Error(ErrorCode::Usage, "lacks \"schema\": 1", file, "render --print-settings writes a preset");
 }
 
 }  // namespace
@@ -132,7 +133,8 @@ void OptionValues::add_source(const std::vector<Given>& values) {
         if (spec.exclusive == 0) continue;
         for (size_t k = 0; k < i; ++k)
             if (values[k].name != values[i].name && known_option(command_, values[k].name).exclusive == spec.exclusive)
-                throw Error(ErrorCode::Usage, fmt::format("it cannot be used together with {}", values[k].where), values[i].where, "leave one out");
+                throw Error(ErrorCode::Usage, fmt::format("it cannot be used together with {}", values[k].where), values[i].where,
+                            "leave one out");
         for (const OptionSpec* other : options_of(command_))
             if (other->exclusive == spec.exclusive) given_.erase(std::string(other->name));
     }
@@ -194,7 +196,8 @@ void check_renderer(const OptionValues& values) {
     const auto index = std::find(names.begin(), names.end(), renderer) - names.begin();
     for (const OptionSpec* spec : options_of(values.command()))
         if (values.given(spec->name) && (spec->renderers & (1u << index)) == 0)
-            throw Error(ErrorCode::Usage, fmt::format("it does not fit --renderer {}", renderer), values.where(spec->name), std::string(spec->instead));
+            throw Error(ErrorCode::Usage, fmt::format("it does not fit --renderer {}", renderer), values.where(spec->name),
+                        std::string(spec->instead));
 }
 
 void check_positionals(const OptionValues& values) {

@@ -32,7 +32,8 @@ void write_pictures(const OutputOptions& output, const image::ImageF& picture) {
         }
         const uint64_t clamped = image::write_exr(file, picture, output.exr_float ? image::ExrPrecision::Float : image::ExrPrecision::Half);
         if (clamped != 0)
-            log(LogLevel::Warn, "{}: {} values are too bright for half and were written as 65504 (--exr-type float keeps them)", escape_name(file.string()), clamped);
+            log(LogLevel::Warn, "{}: {} values are too bright for half and were written as 65504 (--exr-type float keeps them)",
+                escape_name(file.string()), clamped);
     }
 }
 

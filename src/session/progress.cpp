@@ -75,7 +75,8 @@ double Progress::seconds_left(double done, double now) const {
 void Progress::draw_bar(double done, double now, std::string_view detail) {
     const double share = std::clamp(done / total_, 0.0, 1.0);
     const auto filled = static_cast<unsigned>(share * kBarCells);
-    std::string line = fmt::format("{} [{}{}] {:3.0f} %", label_, std::string(filled, '#'), std::string(kBarCells - filled, '.'), share * 100);
+    std::string line =
+        fmt::format("{} [{}{}] {:3.0f} %", label_, std::string(filled, '#'), std::string(kBarCells - filled, '.'), share * 100);
     if (!detail.empty()) line += fmt::format("  {}", detail);
     if (const double left = seconds_left(done, now); left >= 0) line += fmt::format("  {} left", format_duration(left));
     if (style_.width > 1 && line.size() > style_.width - 1) line.resize(style_.width - 1);

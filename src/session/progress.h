@@ -12,9 +12,9 @@ std::string format_duration(double seconds);  // "0.4 s", "12 s", "3 min 05 s", 
 
 struct ProgressStyle {
     bool terminal = false;
-    unsigned width = 80;                            // columns of the terminal
-    std::function<void(std::string_view)> write;    // to stderr
-    std::function<double()> seconds;                // a clock that never goes back
+    unsigned width = 80;                          // columns of the terminal
+    std::function<void(std::string_view)> write;  // to stderr
+    std::function<double()> seconds;              // a clock that never goes back
 };
 ProgressStyle stderr_progress_style();
 

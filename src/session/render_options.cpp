@@ -35,10 +35,13 @@ void read_length(const OptionValues& values, RenderOptions& options) {
     }
     const IndexRange range = parse_range(values.text("--spp-range"), "--spp-range");
     if (range.begin % kSampleBlock != 0 || range.end % kSampleBlock != 0)
-        throw Error(ErrorCode::Usage, fmt::format("{}-{} does not begin and end at multiples of {}", range.begin, range.end, kSampleBlock), "--spp-range",
-                    fmt::format("use for example {}-{}", range.begin / kSampleBlock * kSampleBlock, (range.end + kSampleBlock - 1) / kSampleBlock * kSampleBlock));
+        throw Error(ErrorCode::Usage, fmt::format("{}-{} does not begin and end at multiples of {}", range.begin, range.end, kSampleBlock),
+                    "--spp-range",
+                    fmt::format("use for example {}-{}", range.begin / kSampleBlock * kSampleBlock,
+                                (range.end + kSampleBlock - 1) / kSampleBlock * kSampleBlock));
     constexpr uint64_t kMaxSamples = 1 << 30;
-    if (range.end > kMaxSamples) throw Error(ErrorCode::Usage, fmt::format("{} is out of range", range.end), "--spp-range", fmt::format("up to {}", kMaxSamples));
+    if (range.end > kMaxSamples)
+        throw Error(ErrorCode::Usage, fmt::format("{} is out of range", range.end), "--spp-range", fmt::format("up to {}", kMaxSamples));
     options.samples = range;
     options.is_part = true;
 }
@@ -65,11 +68,13 @@ bool has_extension(const std::filesystem::path& file, std::string_view extension
 }
 
 void check_outputs(const OptionValues& values, const RenderOptions& options) {
-    const bool exr = std::any_of(options.output.files.begin(), options.output.files.end(), [](const auto& file) { return has_extension(file, ".exr"); });
+    const bool exr =
+        std::any_of(options.output.files.begin(), options.output.files.end(), [](const auto& file) { return has_extension(file, ".exr"); });
     if (options.output.files.empty() && !options.list_frame && options.json.empty() && !options.print_settings)
         throw Error(ErrorCode::Usage, "there is no output", "render", "add --out F.exr or --out F.png");
     if (options.is_part && (options.output.files.size() != 1 || !exr))
-        throw Error(ErrorCode::Usage, "a part is written to exactly one EXR", "--out", "use --out PART.exr; parhelion merge writes the picture");
+        throw Error(ErrorCode::Usage, "a part is written to exactly one EXR", "--out",
+                    "use --out PART.exr; parhelion merge writes the picture");
     if (!options.aovs.empty() && !exr) throw Error(ErrorCode::Usage, "layers need an EXR", values.where("--aov"), "add --out F.exr");
     if (options.resume && options.checkpoint.empty())
         throw Error(ErrorCode::Usage, "there is nothing to resume from", "--resume", "add --checkpoint F");
@@ -84,7 +89,8 @@ OutputOptions read_output_options(const OptionValues& values) {
     for (const std::string& text : values.texts("--out")) {
         const std::filesystem::path file = text;
         if (!has_extension(file, ".exr") && !has_extension(file, ".png"))
-            throw Error(ErrorCode::Usage, fmt::format("'{}' is neither .exr nor .png", escape_name(text)), "--out", "the extension chooses the format");
+            throw Error(ErrorCode::Usage, fmt::format("'{}' is neither .exr nor .png", escape_name(text)), "--out",
+                        "the extension chooses the format");
         if (std::find(output.files.begin(), output.files.end(), file) != output.files.end())
             throw Error(ErrorCode::Usage, fmt::format("'{}' is given twice", escape_name(text)), "--out", "leave one out");
         output.files.push_back(file);
@@ -108,7 +114,8 @@ RenderOptions read_render_options(const OptionValues& values) {
     read_view(values, options);
 
     options.output = read_output_options(values);
-    if (values.given("--aov")) options.aovs = expand_list(*find_option(values.command(), "--aov"), values.text("--aov"), values.where("--aov"));
+    if (values.given("--aov"))
+        options.aovs = expand_list(*find_option(values.command(), "--aov"), values.text("--aov"), values.where("--aov"));
     if (values.given("--checkpoint")) options.checkpoint = values.text("--checkpoint");
     options.checkpoint_seconds = parse_duration_seconds(values.text("--checkpoint-every"), "--checkpoint-every");
     options.resume = values.flag("--resume");

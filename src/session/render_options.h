@@ -44,7 +44,7 @@ struct RenderOptions {
     bool default_light = true;
 
     OutputOptions output;
-    std::vector<std::string> aovs;  // layer names in table order
+    std::vector<std::string> aovs;     // layer names in table order
     std::filesystem::path checkpoint;  // empty: none
     double checkpoint_seconds = 60;
     bool resume = false;

@@ -28,7 +28,8 @@ void add_material(Hasher& hasher, const Material& m) {
     add_plain(hasher, m.emission);
     hasher.add(m.metallic).add(m.roughness).add(m.normal_scale).add(m.alpha_mode).add(m.alpha_cutoff).add(m.double_sided).add(m.unlit);
     hasher.add(m.ior).add(m.specular).add(m.transmission);
-    for (const TextureRef* ref : {&m.base_color_texture, &m.metal_rough_texture, &m.normal_texture, &m.emissive_texture}) add_texture(hasher, *ref);
+    for (const TextureRef* ref : {&m.base_color_texture, &m.metal_rough_texture, &m.normal_texture, &m.emissive_texture})
+        add_texture(hasher, *ref);
 }
 
 void add_primitive(Hasher& hasher, const Primitive& p) {
@@ -49,7 +50,13 @@ uint64_t hash_scene(const Scene& scene) {
     for (const auto& [handle, image] : scene.images()) add_array(hasher.add(image.width).add(image.height), image.rgba);
     for (const auto& [handle, texture] : scene.textures()) {
         const Sampler& s = texture.sampler;
-        hasher.add(texture.image.index).add(texture.color_space).add(s.wrap_u).add(s.wrap_v).add(s.mag).add(s.min).add(s.mip ? static_cast<int>(*s.mip) : -1);
+        hasher.add(texture.image.index)
+            .add(texture.color_space)
+            .add(s.wrap_u)
+            .add(s.wrap_v)
+            .add(s.mag)
+            .add(s.min)
+            .add(s.mip ? static_cast<int>(*s.mip) : -1);
     }
     for (const auto& [handle, material] : scene.materials()) add_material(hasher, material);
     for (const auto& [handle, mesh] : scene.meshes())

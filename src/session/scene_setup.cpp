@@ -65,7 +65,8 @@ CameraView choose_camera(const Scene& scene, const RenderOptions& options, std::
         description = "(frames the scene)";
     }
     if (options.fov_degrees) {
-        if (view.orthographic) throw Error(ErrorCode::Usage, "this camera is orthographic", "--fov", "leave it out or choose another camera");
+        if (view.orthographic)
+            throw Error(ErrorCode::Usage, "this camera is orthographic", "--fov", "leave it out or choose another camera");
         view.yfov = static_cast<float>(*options.fov_degrees * std::numbers::pi / 180.0);
     }
     return view;
@@ -73,12 +74,19 @@ CameraView choose_camera(const Scene& scene, const RenderOptions& options, std::
 
 shared::Camera shader_camera(const CameraView& view, float aspect) {
     const glm::vec2 half = view.image_half_extents(aspect);
-    return {.position_ws = view.position, .right_ws = view.right * half.x, .up_ws = view.up * half.y, .forward_ws = view.forward, .orthographic = view.orthographic};
+    return {.position_ws = view.position,
+            .right_ws = view.right * half.x,
+            .up_ws = view.up * half.y,
+            .forward_ws = view.forward,
+            .orthographic = view.orthographic};
 }
 
 gpu::TraceWay choose_trace_way(const gpu::DeviceCaps& caps, TraceChoice choice) {
-    if (choice == TraceChoice::Auto) return caps.type != gpu::DeviceType::Cpu && caps.ray_query ? gpu::TraceWay::Query : gpu::TraceWay::Compute;
-    const gpu::TraceWay way = choice == TraceChoice::Pipeline ? gpu::TraceWay::Pipeline : choice == TraceChoice::Query ? gpu::TraceWay::Query : gpu::TraceWay::Compute;
+    if (choice == TraceChoice::Auto)
+        return caps.type != gpu::DeviceType::Cpu && caps.ray_query ? gpu::TraceWay::Query : gpu::TraceWay::Compute;
+    const gpu::TraceWay way = choice == TraceChoice::Pipeline ? gpu::TraceWay::Pipeline
+                              : choice == TraceChoice::Query  ? gpu::TraceWay::Query
+                                                              : gpu::TraceWay::Compute;
     if (!caps.supports(way))
         throw Error(ErrorCode::MissingFeature, fmt::format("{} cannot trace by {}", escape_name(caps.name), trace_way_name(way)), "--trace",
                     "use --trace compute: it needs no ray tracing extension");

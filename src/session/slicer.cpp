@@ -10,8 +10,13 @@ constexpr double kMaxGrowth = 4;  // of a slice from one to the next: a quick fi
 }
 
 Slicer::Slicer(Size2 size, IndexRange samples, double target_seconds, uint64_t first_slice_work)
-    : size_(size), samples_(samples), target_seconds_(target_seconds), budget_(static_cast<double>(first_slice_work)), sample_(samples.begin),
-      pass_begin_(samples.begin), total_work_(double(size.width) * size.height * double(samples.end - samples.begin)) {}
+    : size_(size),
+      samples_(samples),
+      target_seconds_(target_seconds),
+      budget_(static_cast<double>(first_slice_work)),
+      sample_(samples.begin),
+      pass_begin_(samples.begin),
+      total_work_(double(size.width) * size.height * double(samples.end - samples.begin)) {}
 
 std::optional<shared::Slice> Slicer::next() {
     const double frame = double(size_.width) * size_.height;

@@ -25,16 +25,16 @@ public:
     std::vector<uint64_t> samples_of_rows() const;
     // Rows of the running samples are missing, and these samples end a block: rows would differ in their number of blocks.
     bool inside_block_end() const;
-    double done_work() const { return done_work_; }    // pixel-samples
+    double done_work() const { return done_work_; }  // pixel-samples
     double total_work() const { return total_work_; }
 
 private:
     Size2 size_;
     IndexRange samples_;
     double target_seconds_;
-    double budget_;                // pixel-samples of a slice
+    double budget_;                 // pixel-samples of a slice
     uint64_t sample_, pass_begin_;  // end and begin of the samples that rows are now given
-    uint32_t row_ = 0;             // next row of them; 0: none is running
+    uint32_t row_ = 0;              // next row of them; 0: none is running
     double done_work_ = 0, total_work_;
 };
 

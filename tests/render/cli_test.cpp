@@ -1,7 +1,7 @@
 // The built program as a process: every documented error with its message and exit code, what is left behind after each way to
 // end, and the promises about files (whole or not at all, identical, nothing about the machine in them).
-#include <csignal>
 #include <chrono>
+#include <csignal>
 #include <optional>
 #include <regex>
 
@@ -67,7 +67,9 @@ protected:
     // A picture of kEndless that stopped early: as bright as one with few samples (whose mean is known to better than 2 %).
     void expect_right_brightness(const std::string& picture) {
         const std::string reference = file("reference.exr");
-        ASSERT_EQ(run_parhelion({"render", "builtin:cornell", "--size", "96x96", "--spp", "8", "--exposure", "3", "--out", reference}).exit_code, 0);
+        ASSERT_EQ(
+            run_parhelion({"render", "builtin:cornell", "--size", "96x96", "--spp", "8", "--exposure", "3", "--out", reference}).exit_code,
+            0);
         const Json json = run_parhelion({"compare", picture, reference, "--json"}).json();
         EXPECT_NEAR(json.value("mean_ratio", 0.0), 1.0, 0.1);
         EXPECT_EQ(json["nan_count"], 0);
@@ -81,8 +83,8 @@ TEST_F(Cli, version_and_help_go_to_stdout) {
     EXPECT_EQ(version.exit_code, 0);
     EXPECT_TRUE(std::regex_match(version.out, std::regex("parhelion [0-9]+\\.[0-9]+\\.[0-9]+\n"))) << version.out;
     EXPECT_EQ(version.err, "");
-    for (const Words& words : {Words{"help"}, Words{"--help"}, Words{"-h"}, Words{"help", "render"}, Words{"render", "--help"}, Words{"help", "--man"},
-                               Words{"help", "--completions", "bash"}, Words{"settings"}}) {
+    for (const Words& words : {Words{"help"}, Words{"--help"}, Words{"-h"}, Words{"help", "render"}, Words{"render", "--help"},
+                               Words{"help", "--man"}, Words{"help", "--completions", "bash"}, Words{"settings"}}) {
         const ProcessResult help = run_parhelion(words);
         EXPECT_EQ(help.exit_code, 0);
         EXPECT_GT(help.out.size(), 100u);
@@ -98,12 +100,16 @@ TEST_F(Cli, wrong_usage_exits_with_2_and_leaves_nothing) {
     expect_error(run_parhelion(kSmall + Words{"--out", file("a.bmp")}), 2, "is neither .exr nor .png");
     expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr"), "--size", "0x4"}), 2, "--size: 0x4 is out of range");
     expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr"), "--renderer", "realtime"}), 2, "not built into this version");
-    expect_error(run_parhelion({"render", "builtin:cornell", "--out", file("a.exr"), "--frames", "3"}), 2, "--frames: it does not fit --renderer reference (use --spp N");
-    expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr"), "--set", "sampler.kin=pcg"}), 2, "there is no setting 'sampler.kin' (did you mean sampler.kind?");
-    expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr"), "--set", "sampler.kind=pgc"}), 2, "sampler.kind: 'pgc' is not one of owen|cranley|pcg|white");
+    expect_error(run_parhelion({"render", "builtin:cornell", "--out", file("a.exr"), "--frames", "3"}), 2,
+                 "--frames: it does not fit --renderer reference (use --spp N");
+    expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr"), "--set", "sampler.kin=pcg"}), 2,
+                 "there is no setting 'sampler.kin' (did you mean sampler.kind?");
+    expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr"), "--set", "sampler.kind=pgc"}), 2,
+                 "sampler.kind: 'pgc' is not one of owen|cranley|pcg|white");
     expect_error(run_parhelion({"render", "builtin:nothing", "--out", file("a.exr")}), 2, "builtin:nothing");
     expect_error(run_parhelion({"bench", "enormous"}), 2, "there is no suite 'enormous' (use quick or replay or full)");
-    expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr")}, {.environment = {{"PARHELION_LOG", "loud"}}}), 2, "'loud' is not a log level");
+    expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr")}, {.environment = {{"PARHELION_LOG", "loud"}}}), 2,
+                 "'loud' is not a log level");
     EXPECT_TRUE(folder.names().empty());
 }
 
@@ -118,7 +124,8 @@ TEST_F(Cli, wrong_files_exit_with_1_before_any_work) {
     expect_error(run_parhelion({"info", file("none.glb")}), 1, "none.glb: there is no such file");
     expect_error(run_parhelion(kSmall + Words{"--out", file("none/a.exr")}), 1, "does not exist (create it first)");
     expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr"), "--out", file("none/a.png")}), 1, "does not exist (create it first)");
-    expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr"), "--json", file("none/a.json")}), 1, "does not exist (create it first)");
+    expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr"), "--json", file("none/a.json")}), 1,
+                 "does not exist (create it first)");
     expect_error(run_parhelion(kSmall + Words{"--out", "/dev/full.exr/a.exr"}), 1, "does not exist");
     expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr"), "--env", file("none.hdr")}), 1, "none.hdr: there is no such file");
     expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr"), "--env", file("text.exr")}), 1, "text.exr");
@@ -177,8 +184,8 @@ TEST_F(Cli, a_machine_without_a_device_exits_with_3) {
 }
 
 TEST_F(Cli, printed_settings_are_a_preset_that_prints_the_same) {
-    const ProcessResult first = run_parhelion({"render", "--print-settings", "--spp", "7", "--camera", "Left", "--env-intensity", "0.1", "--no-default-light", "--set",
-                                               "sampler.kind=pcg"});
+    const ProcessResult first = run_parhelion({"render", "--print-settings", "--spp", "7", "--camera", "Left", "--env-intensity", "0.1",
+                                               "--no-default-light", "--set", "sampler.kind=pcg"});
     ASSERT_EQ(first.exit_code, 0) << first.err;
     EXPECT_EQ(first.json()["spp"], 7);
     EXPECT_EQ(first.json()["set"]["sampler.kind"], "pcg");
@@ -201,7 +208,8 @@ TEST_F(CliRender, a_picture_and_its_numbers) {
     ASSERT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(folder.names(), (Words{"a.exr", "a.png"}));
     const Json json = result.json();
-    for (const char* key : {"schema", "renderer", "device", "driver", "trace", "scene", "triangles", "lights", "size", "spp", "seconds", "passes", "memory"})
+    for (const char* key :
+         {"schema", "renderer", "device", "driver", "trace", "scene", "triangles", "lights", "size", "spp", "seconds", "passes", "memory"})
         EXPECT_TRUE(json.contains(key)) << key;
     EXPECT_EQ(json["schema"], 1);
     EXPECT_EQ(json["spp"], 2);
@@ -213,7 +221,9 @@ TEST_F(CliRender, the_same_command_gives_identical_files_that_do_not_name_the_ma
     std::filesystem::create_directories(folder.path() / "one");
     std::filesystem::create_directories(folder.path() / "two");
     for (const char* name : {"one", "two"})
-        ASSERT_EQ(run_parhelion(kSmall + Words{"--out", "a.exr", "--out", "a.png", "--aov", "albedo"}, {.folder = folder.path() / name}).exit_code, 0);
+        ASSERT_EQ(run_parhelion(kSmall + Words{"--out", "a.exr", "--out", "a.png", "--aov", "albedo"}, {.folder = folder.path() / name})
+                      .exit_code,
+                  0);
     for (const char* name : {"a.exr", "a.png"}) {
         const std::string bytes = read_bytes(folder.path() / "one" / name);
         EXPECT_GT(bytes.size(), 100u);
@@ -295,8 +305,11 @@ TEST_F(CliRender, merged_parts_are_the_whole_bit_for_bit) {
     for (const char* range : {"0-64", "64-128", "128-192"})
         ASSERT_EQ(run_parhelion(base + Words{"--spp-range", range, "--out", file(std::string(range) + ".exr")}).exit_code, 0);
     ASSERT_EQ(run_parhelion(base + Words{"--spp-range", "64-192", "--out", file("64-192.exr")}).exit_code, 0);
-    const auto merge = [&](const Words& parts) { return run_parhelion(Words{"merge"} + parts + Words{"--out", file("m.exr"), "--out", file("m.png"), "--json", "-"}); };
-    for (const Words& parts : {Words{file("128-192.exr"), file("0-64.exr"), file("64-128.exr")}, Words{file("0-64.exr"), file("64-192.exr")}}) {
+    const auto merge = [&](const Words& parts) {
+        return run_parhelion(Words{"merge"} + parts + Words{"--out", file("m.exr"), "--out", file("m.png"), "--json", "-"});
+    };
+    for (const Words& parts :
+         {Words{file("128-192.exr"), file("0-64.exr"), file("64-128.exr")}, Words{file("0-64.exr"), file("64-192.exr")}}) {
         const ProcessResult result = merge(parts);
         ASSERT_EQ(result.exit_code, 0) << result.err;
         EXPECT_EQ(result.json()["spp"], 192);
@@ -339,7 +352,8 @@ TEST_F(CliRender, a_resumed_job_gives_the_same_file_as_one_run) {
 }
 
 TEST_F(CliRender, an_interrupted_job_resumes_from_its_last_block) {
-    const Words base{"render", "builtin:cornell", "--size", "16x16", "--exposure", "3", "--checkpoint", file("c.state"), "--checkpoint-every", "1ms", "--resume"};
+    const Words base{"render",        "builtin:cornell",    "--size", "16x16",   "--exposure", "3", "--checkpoint",
+                     file("c.state"), "--checkpoint-every", "1ms",    "--resume"};
     const ProcessResult first = interrupt(base + Words{"--spp", "1000000", "--out", file("first.exr"), "--json", "-"}, SIGINT);
     ASSERT_EQ(first.exit_code, 130) << first.err;
     const int blocks = first.json()["spp"].get<int>() / 64;
@@ -357,8 +371,10 @@ TEST_F(CliRender, a_listing_of_the_frame_needs_no_output) {
 }
 
 TEST_F(CliRender, an_unknown_device_is_wrong_usage_that_lists_the_devices) {
-    expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr"), "--device", "no such thing"}), 2, "no device is called 'no such thing'");
-    expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr")}, {.environment = {{"PARHELION_DEVICE", "no such thing"}}}), 2, "no such thing");
+    expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr"), "--device", "no such thing"}), 2,
+                 "no device is called 'no such thing'");
+    expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr")}, {.environment = {{"PARHELION_DEVICE", "no such thing"}}}), 2,
+                 "no such thing");
     EXPECT_TRUE(folder.names().empty());
 }
 

@@ -41,7 +41,8 @@ struct Pipe {
 
 // In the child, between fork and exec.
 [[noreturn]] void become_program(const std::vector<std::string>& words, const ProcessOptions& options, const Pipe& out, const Pipe& err) {
-    const int out_file = options.stdout_file.empty() ? out.write_end : open(options.stdout_file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+    const int out_file =
+        options.stdout_file.empty() ? out.write_end : open(options.stdout_file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
     dup2(out_file, 1);
     dup2(err.write_end, 2);
     if (!options.folder.empty() && chdir(options.folder.c_str()) != 0) _exit(126);
@@ -113,8 +114,7 @@ ProcessResult run_parhelion(const std::vector<std::string>& arguments, const Pro
     Watcher watcher(process, options);
     collect(out, err, watcher, result);
     int status = 0;
-    while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
-    }
+    while (waitpid(process, &status, 0) < 0 && errno == EINTR) {}
     result.seconds_after_signal = watcher.seconds_since_signal();
     if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);
     if (WIFSIGNALED(status)) result.signal = WTERMSIG(status);

@@ -22,13 +22,13 @@ struct ProcessResult {
 };
 
 struct ProcessOptions {
-    std::map<std::string, std::string> environment;      // added to the test's own
-    std::filesystem::path folder;                        // working folder; empty: the test's own
-    std::string stdout_file;                             // instead of capturing stdout
-    std::optional<uint64_t> file_size_limit;             // a write beyond it fails (EFBIG), like on a full disk
+    std::map<std::string, std::string> environment;                // added to the test's own
+    std::filesystem::path folder;                                  // working folder; empty: the test's own
+    std::string stdout_file;                                       // instead of capturing stdout
+    std::optional<uint64_t> file_size_limit;                       // a write beyond it fails (EFBIG), like on a full disk
     std::function<bool(const ProcessResult& so_far)> signal_when;  // polled; when true, `signal` is sent
     int signal = 0;
-    int signal_count = 1;                                // with 50 ms between two
+    int signal_count = 1;  // with 50 ms between two
 };
 
 // The program `parhelion` of this build.

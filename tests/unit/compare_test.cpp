@@ -76,7 +76,8 @@ TEST_F(Compare, broken_pixels_are_over_every_limit_and_counted) {
 }
 
 TEST_F(Compare, both_sides_get_the_references_exposure) {
-    const std::string recorded = write("a.exr", ramp(1, 3.0)), other = write("b.exr", ramp(1, 9.0)), bare = write("c.exr", ramp(1, std::nullopt));
+    const std::string recorded = write("a.exr", ramp(1, 3.0)), other = write("b.exr", ramp(1, 9.0)),
+                      bare = write("c.exr", ramp(1, std::nullopt));
     const ComparedFrame frame = compare_files(other, recorded, "", {}, {}).frames[0];
     EXPECT_TRUE(frame.exposure_recorded);
     EXPECT_DOUBLE_EQ(frame.result.exposure_scale, 1 / (1.2 * 8));
@@ -107,21 +108,30 @@ TEST_F(Compare, sequences_are_paired_by_number) {
     EXPECT_EQ(compare_json(report)["frames"].size(), 3u);
 
     write("t.11.exr", ramp(1));
-    EXPECT_NE(error_line([&] { compare_files(folder.file("t.##.exr"), folder.file("r.##.exr"), "", {}, {}); }).find("r.##.exr: frame 11 is missing"), std::string::npos);
-    EXPECT_NE(error_line([&] { compare_files(folder.file("x.##.exr"), folder.file("r.##.exr"), "", {}, {}); }).find("no file matches"), std::string::npos);
-    EXPECT_NE(error_line([&] { compare_files(folder.file("t.##.exr"), folder.file("r.10.exr"), "", {}, {}); }).find("a sequence is compared with a sequence"), std::string::npos);
+    EXPECT_NE(error_line([&] {
+                  compare_files(folder.file("t.##.exr"), folder.file("r.##.exr"), "", {}, {});
+              }).find("r.##.exr: frame 11 is missing"),
+              std::string::npos);
+    EXPECT_NE(error_line([&] { compare_files(folder.file("x.##.exr"), folder.file("r.##.exr"), "", {}, {}); }).find("no file matches"),
+              std::string::npos);
+    EXPECT_NE(error_line([&] {
+                  compare_files(folder.file("t.##.exr"), folder.file("r.10.exr"), "", {}, {});
+              }).find("a sequence is compared with a sequence"),
+              std::string::npos);
 }
 
 TEST_F(Compare, the_report_is_a_page_with_its_pictures_beside_it) {
     const std::string a = write("a<b>&\".exr", ramp(1)), b = write("b.exr", ramp(2));
     const std::filesystem::path html = folder.path() / "report";
     compare_files(b, a, "", {.flip = 0.0}, html);
-    for (const char* name : {"index.html", "test.png", "reference.png", "flip.png"}) EXPECT_TRUE(std::filesystem::exists(html / name)) << name;
+    for (const char* name : {"index.html", "test.png", "reference.png", "flip.png"})
+        EXPECT_TRUE(std::filesystem::exists(html / name)) << name;
     const std::string page = testing::read_bytes(html / "index.html");
     EXPECT_NE(page.find("a&lt;b&gt;&amp;&quot;.exr"), std::string::npos);
     EXPECT_EQ(page.find("http"), std::string::npos) << "no network";
     EXPECT_NE(page.find("the limit is 0"), std::string::npos);
-    EXPECT_NE(error_line([&] { compare_files(b, a, "", {}, folder.path() / "no" / "report"); }).find("the folder cannot be made"), std::string::npos);
+    EXPECT_NE(error_line([&] { compare_files(b, a, "", {}, folder.path() / "no" / "report"); }).find("the folder cannot be made"),
+              std::string::npos);
 }
 
 TEST_F(Compare, different_sizes_are_refused_by_name) {

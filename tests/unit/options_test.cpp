@@ -42,8 +42,9 @@ std::string usage_error(const Words& words, Command command = Command::Render) {
 struct TemporaryFile {
     explicit TemporaryFile(std::string_view text) { write_text_file(path, text); }
     ~TemporaryFile() { std::filesystem::remove(path); }
-    std::filesystem::path path = std::filesystem::temp_directory_path() /
-                                 (std::string("parhelion_options_") + ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".json");
+    std::filesystem::path path =
+        std::filesystem::temp_directory_path() /
+        (std::string("parhelion_options_") + ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".json");
 };
 
 }  // namespace
@@ -64,9 +65,34 @@ TEST(Options, the_defaults_are_those_of_the_design) {
 }
 
 TEST(Options, values_arrive_as_they_were_given) {
-    const RenderOptions options = parse_render({"--size=64x32", "--out", "a.exr", "--out=b.PNG", "--look-from", "-1,2.5,-3e1", "--look-at", "0,0,0", "--fov",
-                                                "40", "--exposure", "-3.5", "--seed", "4294967295", "--aov", "path.*,albedo", "--set", "sampler.kind=pcg",
-                                                "--set", "scene.culling=none", "--time-budget", "1500ms", "--spp", "5", "--spp", "6", "--", "-scene.glb"});
+    const RenderOptions options = parse_render({"--size=64x32",
+                                                "--out",
+                                                "a.exr",
+                                                "--out=b.PNG",
+                                                "--look-from",
+                                                "-1,2.5,-3e1",
+                                                "--look-at",
+                                                "0,0,0",
+                                                "--fov",
+                                                "40",
+                                                "--exposure",
+                                                "-3.5",
+                                                "--seed",
+                                                "4294967295",
+                                                "--aov",
+                                                "path.*,albedo",
+                                                "--set",
+                                                "sampler.kind=pcg",
+                                                "--set",
+                                                "scene.culling=none",
+                                                "--time-budget",
+                                                "1500ms",
+                                                "--spp",
+                                                "5",
+                                                "--spp",
+                                                "6",
+                                                "--",
+                                                "-scene.glb"});
     EXPECT_EQ(options.scene, "-scene.glb");
     EXPECT_EQ(options.size, (Size2{64, 32}));
     EXPECT_EQ(options.output.files, (std::vector<std::filesystem::path>{"a.exr", "b.PNG"}));
@@ -157,10 +183,12 @@ TEST(Options, control_characters_are_never_printed_back) {
 }
 
 TEST(Options, later_sources_win_and_replace_what_they_exclude) {
-    const TemporaryFile preset(R"({"schema": 1, "spp": 256, "size": "640x360", "camera": "Left", "device": "nvidia", "no-default-light": true,
+    const TemporaryFile preset(
+        R"({"schema": 1, "spp": 256, "size": "640x360", "camera": "Left", "device": "nvidia", "no-default-light": true,
                                    "env-intensity": 0.5, "set": {"sampler.kind": "white", "reference.roulette_start": 4}})");
     const auto environment = [](const char* name) { return std::string_view(name) == "PARHELION_DEVICE" ? "llvmpipe" : nullptr; };
-    const Words words{"a", "--preset", preset.path.string(), "--out", "x.exr", "--size", "8x8", "--look-from", "1,2,3", "--set", "sampler.kind=pcg"};
+    const Words words{"a",     "--preset", preset.path.string(), "--out", "x.exr", "--size", "8x8", "--look-from",
+                      "1,2,3", "--set",    "sampler.kind=pcg"};
     const RenderOptions options = parse_render(words, environment);
     EXPECT_EQ(options.samples.end, 256u);
     EXPECT_EQ(options.size, (Size2{8, 8}));
@@ -223,9 +251,15 @@ TEST(Options, the_table_is_consistent) {
         EXPECT_FALSE(option.help.empty());
         EXPECT_FALSE(option.section.empty());
         EXPECT_EQ(option.value.empty(), option.kind == ValueKind::Flag);
-        if (option.renderers != kEveryRenderer) { EXPECT_FALSE(option.instead.empty()) << "what should be used with another renderer?"; }
-        if (option.kind == ValueKind::Integer || option.kind == ValueKind::Number) { EXPECT_LT(option.min, option.max); }
-        if (!option.fallback.empty()) { EXPECT_NO_THROW(check_value(option, option.fallback, option.name)); }
+        if (option.renderers != kEveryRenderer) {
+            EXPECT_FALSE(option.instead.empty()) << "what should be used with another renderer?";
+        }
+        if (option.kind == ValueKind::Integer || option.kind == ValueKind::Number) {
+            EXPECT_LT(option.min, option.max);
+        }
+        if (!option.fallback.empty()) {
+            EXPECT_NO_THROW(check_value(option, option.fallback, option.name));
+        }
         for (const CommandSpec& command : command_table())
             if ((option.commands & command_bit(command.id)) != 0) {
                 EXPECT_TRUE(seen.emplace(option.name, command_bit(command.id)).second) << "twice in " << command.name;
@@ -250,7 +284,9 @@ TEST(Help, every_command_and_option_is_in_every_form_of_documentation) {
             for (const std::string_view shell : {"bash", "zsh", "fish"}) {
                 const std::string name(option->name.substr(shell == "fish" ? 2 : 0));
                 const bool offered = completions(shell).find(shell == "fish" ? " -l " + name + " " : name) != std::string::npos;
-                if ((option->bits & kAbsent) == 0) { EXPECT_TRUE(offered) << shell; }
+                if ((option->bits & kAbsent) == 0) {
+                    EXPECT_TRUE(offered) << shell;
+                }
             }
         }
     }
@@ -280,7 +316,9 @@ TEST(Help, lines_fit_a_terminal_of_100_columns) {
     for (const CommandSpec& command : command_table()) {
         std::istringstream stream(command_help(command.id));
         for (std::string line; std::getline(stream, line);)
-            if (!line.starts_with("  parhelion")) { EXPECT_LE(line.size(), 100u) << line; }
+            if (!line.starts_with("  parhelion")) {
+                EXPECT_LE(line.size(), 100u) << line;
+            }
     }
 }
 
@@ -296,7 +334,9 @@ TEST(Help, roff_escapes_what_would_be_a_request) {
     std::istringstream stream(man);
     const std::set<std::string> requests{".TH", ".SH", ".SS", ".TP", ".PP", ".B", ".I", ".nf", ".fi"};
     for (std::string line; std::getline(stream, line);)
-        if (line.starts_with(".")) { EXPECT_TRUE(requests.count(line.substr(0, line.find(' ')))) << line; }
+        if (line.starts_with(".")) {
+            EXPECT_TRUE(requests.count(line.substr(0, line.find(' ')))) << line;
+        }
 }
 
 }  // namespace parhelion

@@ -13,7 +13,10 @@ struct Recorder {
     double now = 0;
     std::vector<std::string> written;
     ProgressStyle style(bool terminal) {
-        return {.terminal = terminal, .width = 60, .write = [this](std::string_view text) { written.emplace_back(text); }, .seconds = [this] { return now; }};
+        return {.terminal = terminal,
+                .width = 60,
+                .write = [this](std::string_view text) { written.emplace_back(text); },
+                .seconds = [this] { return now; }};
     }
 };
 

@@ -97,7 +97,8 @@ TEST(SceneSetup, the_camera_is_the_options_then_the_scenes_then_one_that_frames)
     EXPECT_GT(glm::dot(own.forward, loaded.scene.bounds().center() - own.position), 0.0f);
     options.look_from.reset();
     options.camera = "no such";
-    EXPECT_NE(error_line([&] { choose_camera(loaded.scene, options, description); }).find("front"), std::string::npos) << "the error lists the cameras";
+    EXPECT_NE(error_line([&] { choose_camera(loaded.scene, options, description); }).find("front"), std::string::npos)
+        << "the error lists the cameras";
     choose_camera(Scene{}, RenderOptions{}, description);
     EXPECT_EQ(description, "(frames the scene)");
 }
@@ -121,7 +122,8 @@ TEST(SceneSetup, auto_never_chooses_a_way_that_the_device_lacks) {
     gpu::DeviceCaps bare;
     bare.name = "bare";
     EXPECT_EQ(choose_trace_way(bare, TraceChoice::Compute), gpu::TraceWay::Compute);
-    EXPECT_EQ(error_line([&] { choose_trace_way(bare, TraceChoice::Query); }), "--trace: bare cannot trace by query (use --trace compute: it needs no ray tracing extension)");
+    EXPECT_EQ(error_line([&] { choose_trace_way(bare, TraceChoice::Query); }),
+              "--trace: bare cannot trace by query (use --trace compute: it needs no ray tracing extension)");
 }
 
 TEST(SceneHash, equal_scenes_have_equal_hashes_and_any_change_shows) {
@@ -223,7 +225,8 @@ TEST(Merge, parts_in_any_order_give_the_whole_and_wrong_ones_are_named) {
         image::write_film_exr(folder.file(name), film);
         return std::filesystem::path(folder.file(name));
     };
-    const auto a = write("a.exr", small_film({0, 64})), b = write("b.exr", small_film({64, 128})), c = write("c.exr", small_film({128, 256}));
+    const auto a = write("a.exr", small_film({0, 64})), b = write("b.exr", small_film({64, 128})),
+               c = write("c.exr", small_film({128, 256}));
     const std::vector<std::filesystem::path> mixed{c, a, b};
     const image::FilmSums merged = merge_parts(mixed);
     EXPECT_EQ(merged.sample_end, 256u);
@@ -244,7 +247,10 @@ TEST(Checkpoint, only_the_same_render_with_no_more_samples_is_resumed) {
     image::write_film_exr(folder.file("c"), saved);
     image::FilmSums expected = saved;
     EXPECT_EQ(read_checkpoint(folder.file("c"), expected, {0, 128}).limbs, saved.limbs);
-    EXPECT_NE(error_line([&] { read_checkpoint(folder.file("c"), expected, {0, 64}); }).find("it already holds 128 samples"), std::string::npos);
+    EXPECT_NE(error_line([&] {
+                  read_checkpoint(folder.file("c"), expected, {0, 64});
+              }).find("it already holds 128 samples"),
+              std::string::npos);
     EXPECT_NE(error_line([&] { read_checkpoint(folder.file("c"), expected, {64, 256}); }).find("another render"), std::string::npos);
     expected.attributes = film_attributes(1, 4.25);
     EXPECT_NE(error_line([&] { read_checkpoint(folder.file("c"), expected, {0, 128}); }).find("another render"), std::string::npos);

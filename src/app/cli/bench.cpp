@@ -26,9 +26,12 @@ int run_bench(const OptionValues& values) {
     if (json != "-") print_result(bench_table(rows));
     write_json(json, bench_json(rows, device->caps()));
     switch (platform::interrupt_requested()) {
-        case platform::Interrupt::None: break;
-        case platform::Interrupt::Interrupted: return static_cast<int>(ErrorCode::Interrupted);
-        case platform::Interrupt::Terminated: return static_cast<int>(ErrorCode::Terminated);
+        case platform::Interrupt::None:
+            break;
+        case platform::Interrupt::Interrupted:
+            return static_cast<int>(ErrorCode::Interrupted);
+        case platform::Interrupt::Terminated:
+            return static_cast<int>(ErrorCode::Terminated);
     }
     return EXIT_SUCCESS;
 }

@@ -21,9 +21,11 @@ std::optional<double> read_limit(const OptionValues& values, std::string_view na
 
 int run_compare(const OptionValues& values) {
     const CompareLimits limits{.flip = read_limit(values, "--max-flip"), .relmse = read_limit(values, "--max-relmse")};
-    const std::string json = values.given("--json") ? values.text("--json") : "", html = values.given("--html") ? values.text("--html") : "";
+    const std::string json = values.given("--json") ? values.text("--json") : "",
+                      html = values.given("--html") ? values.text("--html") : "";
     check_json_target(json);
-    const CompareReport report = compare_files(values.positionals[0], values.positionals[1], values.given("--layer") ? values.text("--layer") : "", limits, html);
+    const CompareReport report =
+        compare_files(values.positionals[0], values.positionals[1], values.given("--layer") ? values.text("--layer") : "", limits, html);
     if (json != "-") print_result(compare_text(report));
     write_json(json, compare_json(report));
     for (const std::string& line : report.exceeded) log_line(LogLevel::Error, line);

@@ -20,11 +20,16 @@ constexpr gpu::TraceWay kWays[] = {gpu::TraceWay::Pipeline, gpu::TraceWay::Query
 
 std::string_view type_name(gpu::DeviceType type) {
     switch (type) {
-        case gpu::DeviceType::Discrete: return "discrete GPU";
-        case gpu::DeviceType::Integrated: return "integrated GPU";
-        case gpu::DeviceType::Virtual: return "virtual GPU";
-        case gpu::DeviceType::Cpu: return "CPU";
-        case gpu::DeviceType::Other: break;
+        case gpu::DeviceType::Discrete:
+            return "discrete GPU";
+        case gpu::DeviceType::Integrated:
+            return "integrated GPU";
+        case gpu::DeviceType::Virtual:
+            return "virtual GPU";
+        case gpu::DeviceType::Cpu:
+            return "CPU";
+        case gpu::DeviceType::Other:
+            break;
     }
     return "other";
 }
@@ -35,20 +40,32 @@ Json device_json(const gpu::DeviceCaps& caps, bool best) {
     Json ways = Json::array();
     for (const gpu::TraceWay way : kWays)
         if (caps.supports(way)) ways.push_back(trace_way_name(way));
-    return {{"index", caps.index}, {"name", caps.name}, {"driver", caps.driver}, {"type", type_name(caps.type)},
-            {"vulkan", vulkan_version(caps.api_version)}, {"memory_bytes", caps.memory_bytes}, {"best", best}, {"usable", caps.usable()},
-            {"missing", caps.missing}, {"trace", ways}, {"shader_float64", caps.shader_float64}, {"subgroup_size", caps.subgroup_size},
-            {"max_textures", caps.max_bindless_textures}, {"max_storage_buffer_range", caps.max_storage_buffer_range},
-            {"max_allocation_bytes", caps.max_allocation_bytes}, {"timestamps", caps.timestamp_period_ns > 0}};
+    return {{"index", caps.index},
+            {"name", caps.name},
+            {"driver", caps.driver},
+            {"type", type_name(caps.type)},
+            {"vulkan", vulkan_version(caps.api_version)},
+            {"memory_bytes", caps.memory_bytes},
+            {"best", best},
+            {"usable", caps.usable()},
+            {"missing", caps.missing},
+            {"trace", ways},
+            {"shader_float64", caps.shader_float64},
+            {"subgroup_size", caps.subgroup_size},
+            {"max_textures", caps.max_bindless_textures},
+            {"max_storage_buffer_range", caps.max_storage_buffer_range},
+            {"max_allocation_bytes", caps.max_allocation_bytes},
+            {"timestamps", caps.timestamp_period_ns > 0}};
 }
 
 std::string device_text(const gpu::DeviceCaps& caps, bool best) {
     std::string ways;
     for (const gpu::TraceWay way : kWays)
         if (caps.supports(way)) ways += (ways.empty() ? "" : ", ") + std::string(trace_way_name(way));
-    std::string out = fmt::format("{}  {}{}\n     {}, Vulkan {}, {}\n     memory {:.1f} GiB, traces by {}\n", caps.index, escape_name(caps.name),
-                                  best ? "  (chosen by default)" : "", type_name(caps.type), vulkan_version(caps.api_version), escape_name(caps.driver),
-                                  static_cast<double>(caps.memory_bytes) / (1 << 30), ways);
+    std::string out =
+        fmt::format("{}  {}{}\n     {}, Vulkan {}, {}\n     memory {:.1f} GiB, traces by {}\n", caps.index, escape_name(caps.name),
+                    best ? "  (chosen by default)" : "", type_name(caps.type), vulkan_version(caps.api_version), escape_name(caps.driver),
+                    static_cast<double>(caps.memory_bytes) / (1 << 30), ways);
     for (const std::string& missing : caps.missing) out += fmt::format("     lacks {}\n", missing);
     return out;
 }
@@ -67,7 +84,8 @@ std::vector<Measured> measure(const gpu::DeviceCaps& caps) {
     std::vector<BenchCase> cases;
     const bool cpu = caps.type == gpu::DeviceType::Cpu;
     for (const gpu::TraceWay way : kWays)
-        if (caps.supports(way)) cases.push_back({.scene = "builtin:cornell", .way = way, .size = cpu ? Size2{160, 90} : Size2{1280, 720}, .spp = 16});
+        if (caps.supports(way))
+            cases.push_back({.scene = "builtin:cornell", .way = way, .size = cpu ? Size2{160, 90} : Size2{1280, 720}, .spp = 16});
     std::vector<Measured> results;
     run_bench_cases(cases, {}, device, [&](const BenchRow& row) { results.push_back({row.what.way, row.report.mega_rays_per_second()}); });
     set_log_level(level);
@@ -98,8 +116,10 @@ int run_devices(const OptionValues& values) {
         }
     }
     if (values.flag("--require") && !usable)
-        throw Error(ErrorCode::MissingFeature, devices.empty() ? "there is no Vulkan device" : "no device has what Parhelion needs", "devices",
-                    devices.empty() ? "install a Vulkan driver: mesa-vulkan-drivers has one for the CPU" : "parhelion devices lists what each lacks");
+        throw Error(ErrorCode::MissingFeature, devices.empty() ? "there is no Vulkan device" : "no device has what Parhelion needs",
+                    "devices",
+                    devices.empty() ? "install a Vulkan driver: mesa-vulkan-drivers has one for the CPU"
+                                    : "parhelion devices lists what each lacks");
     if (devices.empty()) text = "There is no Vulkan device. Install a Vulkan driver; mesa-vulkan-drivers has one for the CPU.\n";
     if (values.given("--json"))
         write_json(values.text("--json"), {{"devices", list}});

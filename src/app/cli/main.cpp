@@ -20,14 +20,22 @@ namespace {
 
 int dispatch(const OptionValues& values) {
     switch (values.command()) {
-        case Command::Render: return run_render(values);
-        case Command::Compare: return run_compare(values);
-        case Command::Merge: return run_merge(values);
-        case Command::Devices: return run_devices(values);
-        case Command::Info: return run_info(values);
-        case Command::Bench: return run_bench(values);
-        case Command::Settings: return run_settings(values);
-        case Command::Help: return run_help(values);
+        case Command::Render:
+            return run_render(values);
+        case Command::Compare:
+            return run_compare(values);
+        case Command::Merge:
+            return run_merge(values);
+        case Command::Devices:
+            return run_devices(values);
+        case Command::Info:
+            return run_info(values);
+        case Command::Bench:
+            return run_bench(values);
+        case Command::Settings:
+            return run_settings(values);
+        case Command::Help:
+            return run_help(values);
     }
     return EXIT_FAILURE;
 }
