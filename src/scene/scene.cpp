@@ -5,7 +5,8 @@
 namespace parhelion {
 
 glm::mat3 uv_transform(const TextureRef& ref) {
-    // Counter-clockwise as seen, with v pointing down: u turns towards -v.
+    // Counter-clockwise as seen, with v pointing down: u turns towards -v. (The listing in KHR_texture_transform has the other
+    // sign; KhronosGroup/glTF issue 1563 and the sample model agree with its text and with this.)
     const float c = std::cos(ref.rotation), s = std::sin(ref.rotation);
     return {glm::vec3(c * ref.scale.x, -s * ref.scale.x, 0.0f), glm::vec3(s * ref.scale.y, c * ref.scale.y, 0.0f),
             glm::vec3(ref.offset, 1.0f)};
