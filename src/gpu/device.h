@@ -60,6 +60,9 @@ std::vector<std::string> device_extensions(VkInstance instance, VkPhysicalDevice
 // we use where the device has it. Valid while the returned object lives.
 std::shared_ptr<const void> device_features(VkInstance instance, VkPhysicalDevice physical_device);
 
+// Everything that a device must have, in words: what DeviceCaps::missing is drawn from.
+std::vector<std::string> device_requirements();
+
 // Every Vulkan device of the machine, best first is choose_best(). Empty if there is no loader or driver.
 std::vector<DeviceCaps> enumerate_devices();
 size_t choose_best(const std::vector<DeviceCaps>& devices);  // most capable usable one; throws MissingFeature if none

@@ -200,6 +200,13 @@ void FeatureChain::link(bool with_pipeline, bool with_query) {
     if (with_query) add(query);
 }
 
+std::vector<std::string> device_requirements() {
+    std::vector<std::string> needed = {"Vulkan 1.3", "a queue for compute", VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME};
+    FeatureChain enabled;
+    pick_features({}, enabled, needed);  // a device without anything lacks all that is needed
+    return needed;
+}
+
 PhysicalDevice inspect(const Instance& instance, VkPhysicalDevice handle, uint32_t index, bool mask_ray_tracing) {
     PhysicalDevice out;
     out.handle = handle;

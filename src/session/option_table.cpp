@@ -138,8 +138,8 @@ const OptionSpec kOptions[] = {
      .help = "exit with 4 if the relative mean squared error is larger", .min = 0, .max = 1e12},
 
     // devices, info
-    {.name = "--require", .section = "Options", .commands = kDevices, .help = "exit with 3 unless a device has all that Parhelion "
-    "needs; the list says what each lacks"},
+    {.name = "--require", .section = "Options", .commands = kDevices, .help = "say what Parhelion needs of a device, and exit "
+    "with 3 unless one has it all; the list says what each lacks"},
     {.name = "--measure", .section = "Options", .commands = kDevices,
      .help = "time every way to trace on the built-in Cornell box; `auto` itself never measures"},
     {.name = "--export", .section = "Options", .commands = kInfo, .kind = ValueKind::File, .value = "F.glb",

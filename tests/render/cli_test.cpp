@@ -198,6 +198,9 @@ TEST_F(Cli, printed_settings_are_a_preset_that_prints_the_same) {
 TEST_F(Cli, devices_and_info_speak_json) {
     const Json devices = run_parhelion({"devices", "--json"}).json();
     EXPECT_EQ(devices["schema"], 1);
+    const Json required = run_parhelion({"devices", "--require", "--json"}).json();
+    EXPECT_GE(required["required"].size(), 10u);
+    EXPECT_EQ(required["required"][0], "Vulkan 1.3");
     const Json info = run_parhelion({"info", "builtin:cornell", "--json"}).json();
     EXPECT_EQ(info["schema"], 1);
     EXPECT_GT(info["triangles"].get<int>(), 10);

@@ -121,8 +121,15 @@ int run_devices(const OptionValues& values) {
                     devices.empty() ? "install a Vulkan driver: mesa-vulkan-drivers has one for the CPU"
                                     : "parhelion devices lists what each lacks");
     if (devices.empty()) text = "There is no Vulkan device. Install a Vulkan driver; mesa-vulkan-drivers has one for the CPU.\n";
+    Json result = {{"devices", list}};
+    if (values.flag("--require")) {
+        result["required"] = gpu::device_requirements();
+        text += "Parhelion needs:\n";
+        for (const std::string& needed : gpu::device_requirements()) text += fmt::format("     {}\n", needed);
+        text += "Ray tracing pipelines and ray queries are used where a device has them.\n";
+    }
     if (values.given("--json"))
-        write_json(values.text("--json"), {{"devices", list}});
+        write_json(values.text("--json"), result);
     else
         print_result(text);
     return EXIT_SUCCESS;
