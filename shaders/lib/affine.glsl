@@ -1,18 +1,25 @@
-// Affine transforms as three rows (shared/scene.h), plain and with rounding error bounds. Also compiled as C++
-// (shared/functions.h).
+// Affine transforms as three rows (shared/scene.h), with the same roundings in whatever shader they are compiled. Also compiled
+// as C++ (shared/functions.h).
 #ifndef PARHELION_LIB_AFFINE_GLSL
 #define PARHELION_LIB_AFFINE_GLSL
 #include "shared/functions.h"
 #include "shared/scene.h"
 SHARED_BEGIN
 
-SHARED_FN vec3 transform_point(Affine a, vec3 p) {
-    return vec3(dot(a.row0, vec4(p, 1.0f)), dot(a.row1, vec4(p, 1.0f)), dot(a.row2, vec4(p, 1.0f)));
+SHARED_FN vec3 transform_vector(Affine a, vec3 v) {
+    SHARED_PRECISE vec3 r;
+    r.x = (a.row0.x * v.x + a.row0.y * v.y) + a.row0.z * v.z;
+    r.y = (a.row1.x * v.x + a.row1.y * v.y) + a.row1.z * v.z;
+    r.z = (a.row2.x * v.x + a.row2.y * v.y) + a.row2.z * v.z;
+    return r;
 }
-SHARED_FN vec3 transform_vector(Affine a, vec3 v) { return vec3(dot(vec3(a.row0), v), dot(vec3(a.row1), v), dot(vec3(a.row2), v)); }
 
 // Normals go by the transposed inverse: pass object_from_world to take a normal from object to world. Not normalised.
-SHARED_FN vec3 transform_normal(Affine inverse, vec3 n) { return n.x * vec3(inverse.row0) + n.y * vec3(inverse.row1) + n.z * vec3(inverse.row2); }
+SHARED_FN vec3 transform_normal(Affine inverse, vec3 n) {
+    SHARED_PRECISE vec3 r;
+    r = (n.x * vec3(inverse.row0) + n.y * vec3(inverse.row1)) + n.z * vec3(inverse.row2);
+    return r;
+}
 
 // A point and absolute bounds of its rounding error, given the bounds of p's own. Higham 2002, gamma_n = n u / (1 - n u) with
 // u = 2^-24; a product that goes through three sums is off by gamma_4 of its absolute value (Pharr, Jakob, Humphreys 2016, 3.9.1).

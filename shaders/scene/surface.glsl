@@ -32,10 +32,6 @@ vec2 interpolate(vec3 weights, vec2 a, vec2 b, vec2 c) {
     return v;
 }
 
-// As transform_vector and transform_normal of lib/affine.glsl, with the same bits everywhere.
-vec3 transform_vector_precise(Affine a, vec3 v) { return vec3(precise_dot(a.row0.xyz, v), precise_dot(a.row1.xyz, v), precise_dot(a.row2.xyz, v)); }
-vec3 transform_normal_precise(Affine inverse, vec3 n) { return interpolate(n, inverse.row0.xyz, inverse.row1.xyz, inverse.row2.xyz); }
-
 // Tangent-space normal from a normal map: xy scaled, z rebuilt. Falls back to the vertex normal where tangents degenerate.
 vec3 apply_normal_map(Material material, vec2 uv0, vec2 uv1, vec3 n, vec4 tangent) {
     if (material.normal_texture.texture == kNone || dot(tangent.xyz, tangent.xyz) < 1e-6) return n;
@@ -87,9 +83,9 @@ Surface fetch_surface(Hit hit, Ray ray) {
     const VertexAttributes a0 = attributes.v[index.x], a1 = attributes.v[index.y], a2 = attributes.v[index.z];
     const vec2 uv0 = interpolate(weights, a0.uv0, a1.uv0, a2.uv0), uv1 = interpolate(weights, a0.uv1, a1.uv1, a2.uv1);
     const vec3 n_object = interpolate(weights, a0.normal, a1.normal, a2.normal);
-    const vec3 n_world = transform_normal_precise(instance.object_from_world, n_object);
+    const vec3 n_world = transform_normal(instance.object_from_world, n_object);
     s.n_shading_ws = precise_dot(n_world, n_world) > 0.0 ? precise_normalize(n_world) : s.n_geometric_ws;
-    const vec3 tangent = transform_vector_precise(instance.world_from_object, interpolate(weights, a0.tangent.xyz, a1.tangent.xyz, a2.tangent.xyz));
+    const vec3 tangent = transform_vector(instance.world_from_object, interpolate(weights, a0.tangent.xyz, a1.tangent.xyz, a2.tangent.xyz));
     s.n_shading_ws = apply_normal_map(material, uv0, uv1, s.n_shading_ws, vec4(tangent, a0.tangent.w * winding));
 
     const vec3 vertex_color = interpolate(weights, unpackUnorm4x8(a0.color).rgb, unpackUnorm4x8(a1.color).rgb, unpackUnorm4x8(a2.color).rgb);
@@ -101,7 +97,7 @@ Surface fetch_surface(Hit hit, Ray ray) {
     s.specular = material.specular;
     const bool emits = s.front_facing || (material.flags & kMaterialDoubleSided) != 0u;
     s.emission = emits ? material.emission * fetch_texture(material.emissive_texture, uv0, uv1, vec4(1.0)).rgb : vec3(0.0);
-    if ((material.flags & kMaterialUnlit) != 0u) {  // shown as it is: neither lit nor a light (KHR_materials_unlit)
+    if ((material.flags & kMaterialUnlit) != 0u) {  // shown as it is, not lit (KHR_materials_unlit); no light to sample, paths that meet it see it
         s.emission = s.base_color;
         s.base_color = vec3(0.0);
         s.specular = 0.0;

@@ -44,7 +44,6 @@ struct Geometry {
     uint material;
     uint flags;
     uint triangle_table;  // emissive: offset of its triangle alias table, kNone otherwise
-    uint triangle_base;   // index of its first triangle among the mesh's triangles
 };
 
 struct VertexAttributes {
@@ -129,9 +128,7 @@ struct SceneHeader {
     uint64_t sobol;              // uint[kSobolDimensions * 32]
     uint64_t blue_noise;         // uint[128 * 128 / 2], two 16-bit ranks a word
     uint emitter_count;
-    uint instance_count;
     uint culling;                // 1: single-sided surfaces are invisible from behind
-    float diameter;              // metres, of the scene's bounding sphere
     Environment environment;
 };
 

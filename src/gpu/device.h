@@ -23,7 +23,7 @@ struct DeviceCaps {
     uint32_t index = 0;        // position in the enumeration, for --device
     uint32_t vendor_id = 0, device_id = 0, api_version = 0;
     uint64_t memory_bytes = 0;  // largest device-local heap
-    bool ray_pipeline = false, ray_query = false, shader_float64 = false, descriptor_indexing = false;
+    bool ray_pipeline = false, ray_query = false, shader_float64 = false;
     uint32_t subgroup_size = 0;
     uint32_t shader_group_handle_size = 0, shader_group_handle_alignment = 0, shader_group_base_alignment = 0;
     uint32_t max_ray_recursion_depth = 0, scratch_alignment = 0;

@@ -229,7 +229,6 @@ PhysicalDevice inspect(const Instance& instance, VkPhysicalDevice handle, uint32
     pick_features(has, out.enabled, caps.missing);
     pick_ray_tracing(has, available, out);
     caps.shader_float64 = has.core.features.shaderFloat64;
-    caps.descriptor_indexing = has.v12.descriptorIndexing;
     Properties properties(push, caps.ray_pipeline || caps.ray_query, caps.ray_pipeline);
     instance.vk.vkGetPhysicalDeviceProperties2(handle, &properties.core);
     note_limits(properties, out);

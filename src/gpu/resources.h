@@ -131,7 +131,7 @@ struct TlasInstance {
     uint64_t blas_address;
 };
 static_assert(sizeof(TlasInstance) == 64);
-enum TlasInstanceFlags : uint32_t { kInstanceDisableCulling = 1, kInstanceFlipFacing = 2, kInstanceForceOpaque = 4, kInstanceForceNoOpaque = 8 };
+constexpr uint32_t kInstanceDisableCulling = 1;  // VK_GEOMETRY_INSTANCE_TRIANGLE_FACING_CULL_DISABLE_BIT_KHR
 
 class AccelStruct {
 public:

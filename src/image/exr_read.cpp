@@ -173,12 +173,12 @@ Opened guard(std::string_view where, const Decode& decode) {
     }
 }
 
-}  // namespace
-
-ImageF decode_exr(std::span<const std::byte> bytes, const DecodeLimits& limits, std::string_view where) {
-    ImageF image;
+// Into an ImageF or a UintImage.
+template <class T>
+T decode_as(Imf::PixelType type, std::span<const std::byte> bytes, const DecodeLimits& limits, std::string_view where) {
+    T image;
     Opened opened = guard(where, [&] {
-        return read_channels(bytes, limits, where, Imf::FLOAT, [&](size_t count) {
+        return read_channels(bytes, limits, where, type, [&](size_t count) {
             image.data.resize(count);
             return reinterpret_cast<char*>(image.data.data());
         });
@@ -190,19 +190,14 @@ ImageF decode_exr(std::span<const std::byte> bytes, const DecodeLimits& limits, 
     return image;
 }
 
+}  // namespace
+
+ImageF decode_exr(std::span<const std::byte> bytes, const DecodeLimits& limits, std::string_view where) {
+    return decode_as<ImageF>(Imf::FLOAT, bytes, limits, where);
+}
+
 UintImage decode_uint_exr(std::span<const std::byte> bytes, const DecodeLimits& limits, std::string_view where) {
-    UintImage image;
-    Opened opened = guard(where, [&] {
-        return read_channels(bytes, limits, where, Imf::UINT, [&](size_t count) {
-            image.data.resize(count);
-            return reinterpret_cast<char*>(image.data.data());
-        });
-    });
-    image.width = opened.width;
-    image.height = opened.height;
-    image.channels = std::move(opened.channels);
-    image.attributes = std::move(opened.attributes);
-    return image;
+    return decode_as<UintImage>(Imf::UINT, bytes, limits, where);
 }
 
 }  // namespace parhelion::image

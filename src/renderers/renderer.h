@@ -18,18 +18,17 @@ class Renderer {
 public:
     Renderer(gpu::DevicePtr device, const RendererOptions& options);
 
-    // The scene changed (the result of Scene::apply or Scene::begin_frame): what was accumulated starts anew. `scene` must
-    // outlive the next record().
+    // What changed in the scene before this frame (the result of Scene::apply or Scene::begin_frame; call it every frame, also when
+    // nothing did). A change starts every view's film anew. `scene` must outlive the next record().
     void sync(const Scene& scene, const ChangeSet& changes);
 
-    // Records one frame: brings the scene up to date, adds samples to the view's film and writes display values to `ldr` (rgba8,
+    // Records one frame of a view; several views may look at the scene. Brings the scene up to date, adds samples to the view's film and writes display values to `ldr` (rgba8,
     // the view's size, in GENERAL; written by compute shaders). Returns the frame's serial.
     uint64_t record(VkCommandBuffer commands, View& view, const gpu::Image& ldr);
 
     // The GPU has finished this frame and those before it: what they used may go.
     void retire(uint64_t serial) { frame_.retire(serial); }
 
-    uint64_t accumulated_samples() const { return samples_; }
     std::string listing() const { return frame_.listing(); }
 
 private:
@@ -37,7 +36,7 @@ private:
     RendererOptions options_;
     Frame frame_;
     SceneGpu scene_;
-    uint64_t samples_ = 0;
+    uint64_t edits_ = 0;  // scene changes so far
 };
 
 }  // namespace parhelion

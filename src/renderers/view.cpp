@@ -78,6 +78,7 @@ void View::set_camera(const shared::Camera& camera) {
     data_.camera = camera;
     desc_.camera = camera;
     upload_ = true;
+    clear_film();
 }
 
 void View::prepare(Frame& frame) {

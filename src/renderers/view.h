@@ -54,11 +54,16 @@ public:
     const passes::Film& film() const { return film_; }
     const std::vector<std::string>& channels() const { return channels_; }
 
-    // The camera of the coming frames; the one until now becomes the previous one. Does not clear the film.
+    // The camera of the coming frames; the one until now becomes the previous one. Clears the film.
     void set_camera(const shared::Camera& camera);
     // Uploads what changed and clears the film where that was asked for; the first passes of a frame.
     void prepare(Frame& frame);
-    void clear_film() { clear_ = true; }
+    void clear_film() { clear_ = true, accumulation_.samples = 0; }
+    // What a Renderer has drawn into the film: so many samples, of the scene after so many of its edits.
+    struct Accumulation {
+        uint64_t samples = 0, scene_edits = 0;
+    };
+    Accumulation& accumulation() { return accumulation_; }
     // Continues from sums of an earlier run (--resume).
     void restore_film(std::vector<uint32_t> limbs) { restored_ = std::move(limbs); }
 
@@ -74,6 +79,7 @@ private:
     shared::ViewData data_{};
     std::vector<std::string> channels_;
     std::vector<uint32_t> restored_;
+    Accumulation accumulation_;
     bool upload_ = true, clear_ = true;
 };
 

@@ -41,7 +41,6 @@ void SceneGpu::State::upload_geometry(Frame& frame) {
         MeshOnDevice& on_device = meshes[handle];
         on_device.geometry_base = static_cast<uint32_t>(geometries.size());
         on_device.geometry_count = static_cast<uint32_t>(mesh.primitives.size());
-        uint32_t triangle_base = 0;
         std::vector<bvh::BottomGeometry> own;
         for (const Primitive& primitive : mesh.primitives) {
             const uint32_t row = material_rows.at(primitive.material);
@@ -49,15 +48,13 @@ void SceneGpu::State::upload_geometry(Frame& frame) {
                                   .vertex_count = static_cast<uint32_t>(primitive.positions.size()),
                                   .material = row,
                                   .flags = materials[row].flags,
-                                  .triangle_table = shared::kNone,
-                                  .triangle_base = triangle_base});
+                                  .triangle_table = shared::kNone});
             first_vertex.push_back(all_positions.size());
             first_triangle.push_back(all_indices.size());
             all_positions.insert(all_positions.end(), primitive.positions.begin(), primitive.positions.end());
             all_indices.insert(all_indices.end(), primitive.triangles.begin(), primitive.triangles.end());
             append_attributes(primitive, all_attributes);
             own.push_back({primitive.positions, primitive.triangles});
-            triangle_base += static_cast<uint32_t>(primitive.triangles.size());
         }
         stats.triangles += mesh.triangle_count;
         if (options.own_bvh) on_device.own_root = bvh::add_bottom(bottoms, own);

@@ -80,9 +80,7 @@ void SceneGpu::State::write_header(Frame& frame) {
     header.sobol = address(sampler_tables);
     header.blue_noise = address(sampler_tables) + sampling::sobol_table().size() * sizeof(uint32_t);
     header.emitter_count = static_cast<uint32_t>(emitters.size());
-    header.instance_count = static_cast<uint32_t>(instances.size());
     header.culling = options.culling ? 1 : 0;
-    header.diameter = scene->bounds().diagonal();
     header.environment = environment;
 
     gpu::Buffer& block = header_buffer[parity];

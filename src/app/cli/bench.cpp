@@ -25,15 +25,7 @@ int run_bench(const OptionValues& values) {
     if (values.given("--baseline")) add_baseline(rows, values.text("--baseline"));
     if (json != "-") print_result(bench_table(rows));
     write_json(json, bench_json(rows, device->caps()));
-    switch (platform::interrupt_requested()) {
-        case platform::Interrupt::None:
-            break;
-        case platform::Interrupt::Interrupted:
-            return static_cast<int>(ErrorCode::Interrupted);
-        case platform::Interrupt::Terminated:
-            return static_cast<int>(ErrorCode::Terminated);
-    }
-    return EXIT_SUCCESS;
+    return exit_code(platform::interrupt_requested());
 }
 
 }  // namespace parhelion::cli

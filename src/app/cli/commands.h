@@ -1,8 +1,16 @@
 #pragma once
 // The commands of the program, one file each. Each gets checked options and returns an exit code; errors are thrown.
+#include "base/error.h"
+#include "base/platform.h"
 #include "session/options.h"
 
 namespace parhelion::cli {
+
+// 0, or 130 and 143 where the work was interrupted (what was finished is written).
+inline int exit_code(platform::Interrupt interrupt) {
+    if (interrupt == platform::Interrupt::None) return 0;
+    return static_cast<int>(interrupt == platform::Interrupt::Terminated ? ErrorCode::Terminated : ErrorCode::Interrupted);
+}
 
 int run_render(const OptionValues& values);
 int run_compare(const OptionValues& values);

@@ -21,15 +21,7 @@ int run_render(const OptionValues& values) {
     const RenderReport report = run_render_job(options);
     if (options.list_frame) print_result(report.listing);
     write_json(options.json, report_json(report));
-    switch (report.interrupt) {
-        case platform::Interrupt::None:
-            break;
-        case platform::Interrupt::Interrupted:
-            return static_cast<int>(ErrorCode::Interrupted);
-        case platform::Interrupt::Terminated:
-            return static_cast<int>(ErrorCode::Terminated);
-    }
-    return EXIT_SUCCESS;
+    return exit_code(report.interrupt);
 }
 
 }  // namespace parhelion::cli

@@ -47,7 +47,7 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Instance) v) {
     F(world_from_object) F(object_from_world) F(world_from_object_before) F(geometry_base) F(geometry_count) F(emitter_base) F(flags) F(mask)
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Geometry) v) {
-    F(positions) F(indices) F(attributes) F(triangle_count) F(vertex_count) F(material) F(flags) F(triangle_table) F(triangle_base)
+    F(positions) F(indices) F(attributes) F(triangle_count) F(vertex_count) F(material) F(flags) F(triangle_table)
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(VertexAttributes) v) { F(normal) F(tangent) F(uv0) F(uv1) F(color) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(TextureRef) v) { F(texture) F(uv_set) F(row0) F(row1) }
@@ -65,7 +65,7 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Environment) v) {
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(SceneHeader) v) {
     F(instances) F(geometries) F(materials) F(geometry_emitters) F(emitters) F(emitter_table) F(triangle_tables) F(environment_table)
     F(bottom_nodes) F(bottom_triangles) F(top_nodes) F(top_items) F(top_nodes_before) F(top_items_before) F(sobol) F(blue_noise)
-    F(emitter_count) F(instance_count) F(culling) F(diameter) F(environment)
+    F(emitter_count) F(culling) F(environment)
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Hit) v) { F(instance_bits) F(geometry) F(primitive) F(barycentrics) F(t) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Camera) v) { F(position_ws) F(right_ws) F(up_ws) F(forward_ws) F(orthographic) }
