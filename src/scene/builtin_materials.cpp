@@ -32,7 +32,7 @@ Image make_image(std::string name, uint32_t size, Pixel&& pixel) {
     for (uint32_t y = 0; y < size; ++y)
         for (uint32_t x = 0; x < size; ++x) {
             const glm::vec4 value = glm::clamp(pixel((float(x) + 0.5f) / float(size), (float(y) + 0.5f) / float(size)), 0.0f, 1.0f);
-            for (int c = 0; c < 4; ++c) image.rgba.push_back(static_cast<uint8_t>(std::lround(value[c] * 255.0f)));
+            for (int c = 0; c < 4; ++c) image.texels.push_back(static_cast<uint8_t>(std::lround(value[c] * 255.0f)));
         }
     return image;
 }

@@ -40,20 +40,28 @@ void check_attribute(const Mesh& mesh, const Primitive& primitive, const std::ve
 }  // namespace
 
 void check_value(const Image& image) {
-    const uint64_t expected = uint64_t(image.width) * image.height;
-    if (expected == 0 || image.rgba.size() / 4 != expected || image.rgba.size() % 4 != 0)
-        fail(image, fmt::format("has {} bytes for {} x {} pixels of 4 bytes", image.rgba.size(), image.width, image.height));
+    if (image.width == 0 || image.height == 0 || image.level_count == 0 || image.level_count > 32)
+        fail(image, fmt::format("is empty: {} x {} pixels, {} levels", image.width, image.height, image.level_count));
+    const uint64_t expected = image_bytes(image.format, image.width, image.height, image.level_count);
+    if (image.texels.size() != expected)
+        fail(image, fmt::format("has {} bytes, expected {} for {} x {} pixels in {} levels", image.texels.size(), expected, image.width,
+                                image.height, image.level_count));
 }
 
 void check_value(const Texture&) {}
 
 void check_value(const Material& m) {
-    const bool numbers = finite(m.base_color) && finite(m.metallic) && finite(m.roughness) && finite(m.normal_scale) &&
-                         finite(m.emission) && finite(m.alpha_cutoff) && finite(m.ior) && finite(m.specular) && finite(m.transmission);
-    if (!numbers) fail(m, "has a number that is not finite");
+    const float numbers[] = {m.metallic, m.roughness, m.normal_scale, m.occlusion_strength, m.alpha_cutoff, m.ior, m.specular,
+                             m.transmission, m.thickness, m.dispersion, m.clearcoat, m.clearcoat_roughness, m.clearcoat_normal_scale,
+                             m.sheen_roughness, m.anisotropy, m.anisotropy_rotation, m.iridescence, m.iridescence_ior,
+                             m.iridescence_thickness_min, m.iridescence_thickness_max};
+    bool all = finite(m.base_color) && finite(m.emission) && finite(m.specular_color) && finite(m.attenuation_color) && finite(m.sheen_color);
+    for (const float number : numbers) all = all && finite(number);
+    if (!(m.attenuation_distance > 0.0f)) fail(m, "its attenuation distance is not above 0");
+    if (!all) fail(m, "has a number that is not finite");
     if (m.emission.x < 0.0f || m.emission.y < 0.0f || m.emission.z < 0.0f) fail(m, "emits negative light");
-    for (const TextureRef* ref : {&m.base_color_texture, &m.metal_rough_texture, &m.normal_texture, &m.emissive_texture})
-        if (!valid_ref(*ref)) fail(m, "has a texture with a UV set other than 0 and 1, or a transform that is not finite");
+    for (const MaterialTexture& texture : material_textures())
+        if (!valid_ref(m.*texture.ref)) fail(m, "has a texture with a UV set other than 0 and 1, or a transform that is not finite");
 }
 
 void check_value(const Mesh& mesh) {
@@ -68,6 +76,15 @@ void check_value(const Mesh& mesh) {
         check_attribute(mesh, primitive, primitive.uv0, "texture coordinates");
         check_attribute(mesh, primitive, primitive.uv1, "second texture coordinates");
         check_attribute(mesh, primitive, primitive.colors, "colours");
+        for (const MorphTarget& target : primitive.targets) {
+            check_attribute(mesh, primitive, target.positions, "morphed positions");
+            check_attribute(mesh, primitive, target.normals, "morphed normals");
+            check_attribute(mesh, primitive, target.tangents, "morphed tangents");
+        }
+        const uint64_t influences = uint64_t(primitive.influence_count) * vertices;
+        if (primitive.joints.size() != influences || primitive.joint_weights.size() != influences)
+            fail(mesh, fmt::format("has {} joints and {} weights, expected {}", primitive.joints.size(), primitive.joint_weights.size(), influences));
+        if (!all_finite(primitive.joint_weights)) fail(mesh, "its joint weights have a value that is not finite");
         for (const glm::uvec3& t : primitive.triangles)
             if (t.x >= vertices || t.y >= vertices || t.z >= vertices)
                 fail(mesh, fmt::format("triangle ({}, {}, {}) names a vertex beyond {}", t.x, t.y, t.z, vertices));
@@ -82,6 +99,25 @@ void check_value(const Transform& transform) {
 }
 
 void check_value(const Node& node) { check_value(node.local); }
+
+void check_value(const Skin& skin) {
+    if (skin.joints.empty() || skin.joints.size() != skin.inverse_bind.size())
+        fail(skin, fmt::format("has {} joints and {} inverse bind matrices", skin.joints.size(), skin.inverse_bind.size()));
+    for (const glm::mat4& matrix : skin.inverse_bind)
+        if (!finite(matrix)) fail(skin, "has an inverse bind matrix that is not finite");
+}
+
+void check_value(const Animation& animation) {
+    for (const AnimationChannel& c : animation.channels) {
+        const uint64_t keys = c.times.size(), values = keys * c.width * (c.interpolation == Interpolation::CubicSpline ? 3 : 1);
+        if (keys == 0 || c.width == 0 || c.values.size() != values)
+            fail(animation, fmt::format("a channel has {} values for {} keys of {} numbers", c.values.size(), keys, c.width));
+        if (!all_finite(c.times) || !all_finite(c.values)) fail(animation, "has a number that is not finite");
+        for (size_t i = 1; i < c.times.size(); ++i)
+            if (!(c.times[i] > c.times[i - 1])) fail(animation, "has times that do not increase");
+    }
+}
+
 void check_value(const Instance& instance) {
     if (!finite(instance.place.node_from_object)) throw Error(ErrorCode::Failed, "has a number that is not finite", "instance transform");
 }

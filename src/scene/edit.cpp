@@ -14,19 +14,21 @@ namespace parhelion {
 
 namespace {
 
-template <class T>
-constexpr size_t kKind = std::is_same_v<T, Image>      ? 0
-                         : std::is_same_v<T, Texture>  ? 1
-                         : std::is_same_v<T, Material> ? 2
-                         : std::is_same_v<T, Mesh>     ? 3
-                         : std::is_same_v<T, Node>     ? 4
-                         : std::is_same_v<T, Instance> ? 5
-                         : std::is_same_v<T, Light>    ? 6
-                                                       : 7;
-
 template <class... Ts>
 struct TypeList {};
-using SceneTypes = TypeList<Image, Texture, Material, Mesh, Node, Instance, Light, Camera>;
+using SceneTypes = TypeList<Image, Texture, Material, Mesh, Node, Skin, Animation, Instance, Light, Camera>;
+
+// The position of a type in the list.
+template <class T, class... Ts>
+constexpr size_t position_in(TypeList<Ts...>) {
+    size_t position = 0;
+    bool found = false;
+    ((found = found || std::is_same_v<T, Ts>, position += found ? 0 : 1), ...);
+    return position;
+}
+template <class T>
+constexpr size_t kKind = position_in<T>(SceneTypes{});
+constexpr size_t kKindCount = position_in<void>(SceneTypes{});
 
 template <class F, class... Ts>
 void for_each_type(TypeList<Ts...>, F&& f) {
@@ -68,6 +70,8 @@ template Handle<Texture> SceneEdit::push_add(Texture&&);
 template Handle<Material> SceneEdit::push_add(Material&&);
 template Handle<Mesh> SceneEdit::push_add(Mesh&&);
 template Handle<Node> SceneEdit::push_add(Node&&);
+template Handle<Skin> SceneEdit::push_add(Skin&&);
+template Handle<Animation> SceneEdit::push_add(Animation&&);
 template Handle<Instance> SceneEdit::push_add(Instance&&);
 template Handle<Light> SceneEdit::push_add(Light&&);
 template Handle<Camera> SceneEdit::push_add(Camera&&);
@@ -94,6 +98,8 @@ template Handle<Texture> ChangeSet::resolve(Handle<Texture>) const;
 template Handle<Material> ChangeSet::resolve(Handle<Material>) const;
 template Handle<Mesh> ChangeSet::resolve(Handle<Mesh>) const;
 template Handle<Node> ChangeSet::resolve(Handle<Node>) const;
+template Handle<Skin> ChangeSet::resolve(Handle<Skin>) const;
+template Handle<Animation> ChangeSet::resolve(Handle<Animation>) const;
 template Handle<Instance> ChangeSet::resolve(Handle<Instance>) const;
 template Handle<Light> ChangeSet::resolve(Handle<Light>) const;
 template Handle<Camera> ChangeSet::resolve(Handle<Camera>) const;
@@ -116,12 +122,13 @@ void ChangeSet::append(const ChangeSet& later) {
 struct Scene::Checker {
     const Scene& scene;
     const SceneEdit& edit;
-    uint32_t added[8] = {};
-    std::tuple<HandleSetOf<Image>, HandleSetOf<Texture>, HandleSetOf<Material>, HandleSetOf<Mesh>, HandleSetOf<Node>, HandleSetOf<Instance>,
+    uint32_t added[kKindCount] = {};
+    std::tuple<HandleSetOf<Image>, HandleSetOf<Texture>, HandleSetOf<Material>, HandleSetOf<Mesh>, HandleSetOf<Node>, HandleSetOf<Skin>, HandleSetOf<Animation>, HandleSetOf<Instance>,
                HandleSetOf<Light>, HandleSetOf<Camera>>
         removed = {};
     bool removes = false;
     std::unordered_map<Handle<Material>, const Material*> replaced = {};  // the last value of each
+    std::unordered_map<Handle<Instance>, Handle<Mesh>> posed = {};        // likewise
 
     template <class T>
     bool alive(Handle<T> handle) const {
@@ -161,6 +168,11 @@ struct Scene::Checker {
         require(step.handle, "set_transform");
         detail::check_value(step.local);
     }
+    void operator()(const SceneEdit::Pose& step) {
+        require(step.handle, "set_pose");
+        if (step.posed) require(step.posed, "set_pose");
+        posed[step.handle] = step.posed;
+    }
     template <class T>
     void operator()(const SceneEdit::Replace<T>& step) {
         require(step.handle, "set");
@@ -177,6 +189,8 @@ struct Scene::Checker {
     void check_uses(Handle<T> user, const T& value) const {
         if (!alive(user)) return;
         detail::visit_const_refs(value, [&]<class U>(const Handle<U>& used, bool) {
+            if constexpr (std::is_same_v<T, Instance> && std::is_same_v<U, Mesh>)
+                if (&used == &value.posed && posed.contains(user)) return;  // this edit says what takes its place
             if (used && std::get<HandleSetOf<U>>(removed).set.contains(used))
                 throw Error(ErrorCode::Failed, fmt::format("cannot remove a {} that is still in use ({})", U::kTypeName, T::kTypeName),
                             "scene edit: remove", "remove or change its users in the same edit");
@@ -194,7 +208,7 @@ struct Scene::Checker {
         for_each_type(SceneTypes{}, [&]<class T>() {
             for (const auto& [handle, value] : scene.all<T>()) check_uses(handle, final_value(handle, value));
         });
-        uint32_t serials[8] = {};
+        uint32_t serials[kKindCount] = {};
         for (const SceneEdit::Step& step : edit.steps_)
             std::visit(
                 [&]<class S>(const S& s) {
@@ -306,6 +320,13 @@ struct Scene::Applier {
             table<T>().change(handle).place.node_from_object = *step.local.matrix;
         }
         dirty<T>().push_back(handle);
+    }
+    void operator()(SceneEdit::Pose& step) {
+        const Handle<Instance> handle = changes.resolve(step.handle);
+        Instance& instance = table<Instance>().change(handle);
+        instance.posed = changes.resolve(step.posed);
+        instance.weights = std::move(step.weights);
+        changes.instances.changed.push_back(handle);
     }
     template <class T>
     void operator()(SceneEdit::Replace<T>& step) {

@@ -18,6 +18,8 @@ public:
     Handle<Material> add(Material value) { return push_add(std::move(value)); }
     Handle<Mesh> add(Mesh value) { return push_add(std::move(value)); }
     Handle<Node> add(Node value) { return push_add(std::move(value)); }
+    Handle<Skin> add(Skin value) { return push_add(std::move(value)); }
+    Handle<Animation> add(Animation value) { return push_add(std::move(value)); }
     Handle<Instance> add(Instance value) { return push_add(std::move(value)); }
     Handle<Light> add(Light value) { return push_add(std::move(value)); }
     Handle<Camera> add(Camera value) { return push_add(std::move(value)); }
@@ -35,6 +37,11 @@ public:
     }
     void set_transform(Handle<Light> light, const glm::mat4& matrix) { steps_.push_back(Move<Light>{light, {.matrix = matrix}}); }
     void set_transform(Handle<Camera> camera, const glm::mat4& matrix) { steps_.push_back(Move<Camera>{camera, {.matrix = matrix}}); }
+
+    // How an instance is deformed now: the mesh to draw (none: its own), and the weights of its morph targets (empty: the mesh's).
+    void set_pose(Handle<Instance> instance, Handle<Mesh> posed, std::vector<float> weights) {
+        steps_.push_back(Pose{instance, posed, std::move(weights)});
+    }
 
     // Replace everything but the placement.
     void set_material(Handle<Material> handle, Material value) { steps_.push_back(Replace<Material>{handle, std::move(value)}); }
@@ -60,6 +67,11 @@ private:
         Handle<T> handle;
         Transform local;
     };
+    struct Pose {
+        Handle<Instance> handle;
+        Handle<Mesh> posed;
+        std::vector<float> weights;
+    };
     template <class T>
     struct Replace {
         Handle<T> handle;
@@ -68,13 +80,13 @@ private:
     template <class T>
     Handle<T> push_add(T&& value);
 
-    using Step = std::variant<Add<Image>, Add<Texture>, Add<Material>, Add<Mesh>, Add<Node>, Add<Instance>, Add<Light>, Add<Camera>,
-                              Remove<Image>, Remove<Texture>, Remove<Material>, Remove<Mesh>, Remove<Node>, Remove<Instance>, Remove<Light>,
-                              Remove<Camera>, Move<Node>, Move<Instance>, Move<Light>, Move<Camera>, Replace<Material>, Replace<Light>,
+    using Step = std::variant<Add<Image>, Add<Texture>, Add<Material>, Add<Mesh>, Add<Node>, Add<Skin>, Add<Animation>, Add<Instance>, Add<Light>, Add<Camera>,
+                              Remove<Image>, Remove<Texture>, Remove<Material>, Remove<Mesh>, Remove<Node>, Remove<Skin>, Remove<Animation>, Remove<Instance>, Remove<Light>,
+                              Remove<Camera>, Move<Node>, Move<Instance>, Move<Light>, Move<Camera>, Pose, Replace<Material>, Replace<Light>,
                               Replace<Camera>, Environment, SceneSource>;
     std::vector<Step> steps_;
     uint32_t serial_;         // marks the pending handles of this edit
-    uint32_t added_[8] = {};  // adds so far by type, in the order of the overloads above
+    uint32_t added_[10] = {};  // adds so far by type, in the order of the overloads above
 };
 
 }  // namespace parhelion

@@ -79,7 +79,7 @@ std::map<uint32_t, Handle<Image>> add_images(GltfDocument& document, SceneEdit& 
     for (Job& job : jobs) {
         if (!job.done) decode(job, files, files.budget_left());
         out[job.index] = edit.add(Image{
-            .name = std::move(job.name), .width = job.decoded.width, .height = job.decoded.height, .rgba = std::move(job.decoded.rgba)});
+            .name = std::move(job.name), .width = job.decoded.width, .height = job.decoded.height, .texels = std::move(job.decoded.rgba)});
         job.kept.reset();
     }
     return out;

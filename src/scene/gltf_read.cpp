@@ -23,7 +23,6 @@ public:
         if (nodes_.empty()) document_.warn("the scene is empty");
         return std::move(edit_);
     }
-    uint32_t skinned_count() const { return skinned_count_; }
 
 private:
     JsonRef node_json(const GltfNode& node) const { return document_.root().at("nodes")[node.index]; }
@@ -79,10 +78,7 @@ private:
         if (const auto mesh = json.find("mesh")) {
             const auto found = meshes_.find(mesh->as_index_of("meshes"));
             if (found != meshes_.end()) edit_.add(Instance{.mesh = found->second, .place = {.node = node}});
-            if (json.find("skin")) {
-                ++skinned_count_;
-                document_.warn("skins are not evaluated: skinned meshes keep their rest pose");
-            }
+            if (json.find("skin")) document_.warn("skins are not evaluated: skinned meshes keep their rest pose");
         }
         if (const auto camera_ref = json.find("camera")) {
             Camera camera = read_camera(document_, document_.entry("cameras", *camera_ref));
@@ -110,18 +106,7 @@ private:
     SceneEdit edit_;
     std::vector<GltfNode> nodes_;
     std::map<uint32_t, Handle<Mesh>> meshes_;
-    uint32_t skinned_count_ = 0;
 };
-
-uint32_t count_morphed(const JsonRef& root) {
-    uint32_t count = 0;
-    const size_t mesh_count = root.array_size("meshes");
-    for (size_t i = 0; i < mesh_count; ++i) {
-        const std::optional<JsonRef> primitives = root.at("meshes")[i].find_array("primitives");
-        if (primitives && primitives->size() > 0 && (*primitives)[0].array_size("targets") > 0) ++count;
-    }
-    return count;
-}
 
 }  // namespace
 
@@ -137,11 +122,6 @@ SceneEdit read_gltf(SceneFiles& files, std::span<const std::byte> file, const st
                        .extensions_used = document.extensions_used(),
                        .extensions_required = document.extensions_required(),
                        .extensions_not_drawn = document.extensions_not_drawn()};
-    source.animation_count = static_cast<uint32_t>(root.array_size("animations"));
-    source.skin_count = static_cast<uint32_t>(root.array_size("skins"));
-    source.morphed_mesh_count = count_morphed(root);
-    if (source.animation_count != 0) document.warn("animations are not played");
-    if (source.morphed_mesh_count != 0) document.warn("morph targets are not evaluated");
     source.warnings = document.take_warnings();
     source.file_bytes = files.bytes_read();
     edit.set_source(std::move(source));

@@ -10,7 +10,9 @@
 namespace parhelion {
 
 struct GltfOptions {
-    bool median_order = true;  // order each mesh's triangles (median_order.h)
+    bool median_order = true;   // order each mesh's triangles (median_order.h)
+    bool keep_encoded = false;  // images keep the files that they were decoded from (Image::encoded)
+    std::string variant;        // name of the material variant to show; empty: none
 };
 
 // What a file becomes: apply the edit to an empty scene, or to one that it joins. The edit sets the scene's source too, whose

@@ -20,7 +20,7 @@ void describe_geometry(const Scene& scene, SceneInfo& info) {
         }
     }
     for (const auto& [handle, instance] : scene.instances()) {
-        const Mesh& mesh = scene.get(instance.mesh);
+        const Mesh& mesh = scene.get(instance.drawn_mesh());
         info.instanced_triangles += mesh.triangle_count;
         for (const Primitive& primitive : mesh.primitives) {
             const Material& material = scene.get(primitive.material);
@@ -55,7 +55,7 @@ SceneInfo describe(const LoadedScene& loaded) {
     info.materials = scene.materials().size();
     info.images = scene.images().size();
     describe_geometry(scene, info);
-    for (const auto& [handle, image] : scene.images()) info.image_bytes += image.rgba.size();
+    for (const auto& [handle, image] : scene.images()) info.image_bytes += image.texels.size();
     for (const auto& [handle, texture] : scene.textures()) {
         const Image& image = scene.get(texture.image);
         info.textures.push_back({texture.name.empty() ? image.name : texture.name, image.width, image.height, texture.color_space});
@@ -64,9 +64,10 @@ SceneInfo describe(const LoadedScene& loaded) {
     for (const auto& [handle, camera] : scene.cameras()) info.cameras.push_back(camera.name);
     for (const ScriptedEdit& edit : loaded.scripted_edits) info.scripted_edits.push_back(edit.name + ": " + edit.help);
     info.environment = !scene.environment().black();
-    info.animations = source.animation_count;
-    info.skins = source.skin_count;
-    info.morphed_meshes = source.morphed_mesh_count;
+    info.animations = static_cast<uint32_t>(scene.animations().size());
+    info.skins = static_cast<uint32_t>(scene.skins().size());
+    for (const auto& [handle, mesh] : scene.meshes())
+        if (!mesh.primitives.empty() && !mesh.primitives[0].targets.empty()) ++info.morphed_meshes;
     info.extensions_used = source.extensions_used;
     info.extensions_not_drawn = source.extensions_not_drawn;
     info.warnings = source.warnings;

@@ -31,7 +31,7 @@ LoadedScene load_scene(const std::string& name, const LoadOptions& options) {
     const SceneFiles::Bytes bytes = files.read_main(path);
     try {
         LoadedScene out;
-        out.scene.apply(read_gltf(files, *bytes, shown, {.median_order = options.median_order}));
+        out.scene.apply(read_gltf(files, *bytes, shown, {.median_order = options.median_order, .keep_encoded = options.keep_encoded, .variant = options.variant}));
         for (const std::string& warning : out.scene.source().warnings) log(LogLevel::Warn, "{}: {}", shown, warning);
         return out;
     } catch (const std::bad_alloc&) {

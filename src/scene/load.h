@@ -11,6 +11,11 @@ namespace parhelion {
 struct LoadOptions {
     SceneFileLimits limits;
     bool median_order = true;
+    bool keep_encoded = false;  // images keep the files that they were decoded from (Image::encoded)
+    std::string variant;        // material variant of a file; empty: the file's own materials
+    std::string animation;      // name or index of the file's animation to play; empty: all that do not move the same things
+    std::string animate;        // scripted edit of a built-in scene; empty: none
+    double time = 0;            // seconds at which animations and scripted edits stand
     BuiltinOptions builtin;
 };
 

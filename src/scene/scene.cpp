@@ -1,8 +1,39 @@
 #include "scene/scene.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace parhelion {
+
+uint64_t level_bytes(TexelFormat format, uint32_t width, uint32_t height) {
+    if (format == TexelFormat::Rgba8) return 4ull * width * height;
+    const uint64_t blocks = (uint64_t(width) + 3) / 4 * ((uint64_t(height) + 3) / 4);
+    return blocks * (format == TexelFormat::Bc1 || format == TexelFormat::Bc4 ? 8 : 16);
+}
+
+uint64_t image_bytes(TexelFormat format, uint32_t width, uint32_t height, uint32_t level_count) {
+    uint64_t bytes = 0;
+    for (uint32_t level = 0; level < level_count; ++level)
+        bytes += level_bytes(format, std::max(1u, width >> std::min(level, 31u)), std::max(1u, height >> std::min(level, 31u)));
+    return bytes;
+}
+
+std::span<const MaterialTexture> material_textures() {
+    using M = Material;
+    static constexpr MaterialTexture kTextures[] = {
+        {&M::base_color_texture, ColorSpace::Srgb},      {&M::metal_rough_texture, ColorSpace::Linear},
+        {&M::normal_texture, ColorSpace::Linear},        {&M::occlusion_texture, ColorSpace::Linear},
+        {&M::emissive_texture, ColorSpace::Srgb},        {&M::specular_texture, ColorSpace::Linear},
+        {&M::specular_color_texture, ColorSpace::Srgb},  {&M::transmission_texture, ColorSpace::Linear},
+        {&M::thickness_texture, ColorSpace::Linear},     {&M::clearcoat_texture, ColorSpace::Linear},
+        {&M::clearcoat_roughness_texture, ColorSpace::Linear},
+        {&M::clearcoat_normal_texture, ColorSpace::Linear},
+        {&M::sheen_color_texture, ColorSpace::Srgb},     {&M::sheen_roughness_texture, ColorSpace::Linear},
+        {&M::anisotropy_texture, ColorSpace::Linear},    {&M::iridescence_texture, ColorSpace::Linear},
+        {&M::iridescence_thickness_texture, ColorSpace::Linear},
+    };
+    return kTextures;
+}
 
 glm::mat3 uv_transform(const TextureRef& ref) {
     // Counter-clockwise as seen, with v pointing down: u turns towards -v. (The listing in KHR_texture_transform has the other
@@ -57,6 +88,14 @@ ChangeSet::Changed<Node>& ChangeSet::of<Node>() {
     return nodes;
 }
 template <>
+ChangeSet::Changed<Skin>& ChangeSet::of<Skin>() {
+    return skins;
+}
+template <>
+ChangeSet::Changed<Animation>& ChangeSet::of<Animation>() {
+    return animations;
+}
+template <>
 ChangeSet::Changed<Instance>& ChangeSet::of<Instance>() {
     return instances;
 }
@@ -72,7 +111,7 @@ ChangeSet::Changed<Camera>& ChangeSet::of<Camera>() {
 Bounds Scene::bounds() const {
     Bounds world;
     for (const auto& [handle, instance] : instances()) {
-        const Bounds& box = get(instance.mesh).bounds;
+        const Bounds& box = get(instance.drawn_mesh()).bounds;
         if (box.empty() || !drawable(instance.place.world_from_object)) continue;
         for (int corner = 0; corner < 8; ++corner) {
             const glm::vec3 p(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y, corner & 4 ? box.max.z : box.min.z);

@@ -23,7 +23,9 @@ struct ChangeSet {
     Changed<Material> materials;
     Changed<Mesh> meshes;
     Changed<Node> nodes;
-    Changed<Instance> instances;  // changed: moved now, or moved last frame (world_from_object_before changed)
+    Changed<Skin> skins;
+    Changed<Animation> animations;
+    Changed<Instance> instances;  // changed: moved or posed now, or moved last frame (world_from_object_before changed)
     Changed<Light> lights;        // changed: moved or set
     Changed<Camera> cameras;
     bool environment = false;
@@ -45,7 +47,7 @@ private:
     friend class Scene;
     uint32_t serial_ = 0;
     std::tuple<std::vector<Handle<Image>>, std::vector<Handle<Texture>>, std::vector<Handle<Material>>, std::vector<Handle<Mesh>>,
-               std::vector<Handle<Node>>, std::vector<Handle<Instance>>, std::vector<Handle<Light>>, std::vector<Handle<Camera>>>
+               std::vector<Handle<Node>>, std::vector<Handle<Skin>>, std::vector<Handle<Animation>>, std::vector<Handle<Instance>>, std::vector<Handle<Light>>, std::vector<Handle<Camera>>>
         resolved_;  // by the index of the pending handle
 };
 
@@ -56,6 +58,8 @@ public:
     const SlotMap<Material>& materials() const { return all<Material>(); }
     const SlotMap<Mesh>& meshes() const { return all<Mesh>(); }
     const SlotMap<Node>& nodes() const { return all<Node>(); }
+    const SlotMap<Skin>& skins() const { return all<Skin>(); }
+    const SlotMap<Animation>& animations() const { return all<Animation>(); }
     const SlotMap<Instance>& instances() const { return all<Instance>(); }
     const SlotMap<Light>& lights() const { return all<Light>(); }
     const SlotMap<Camera>& cameras() const { return all<Camera>(); }
@@ -83,7 +87,7 @@ public:
 private:
     struct Checker;
     struct Applier;
-    using Tables = std::tuple<SlotMap<Image>, SlotMap<Texture>, SlotMap<Material>, SlotMap<Mesh>, SlotMap<Node>, SlotMap<Instance>,
+    using Tables = std::tuple<SlotMap<Image>, SlotMap<Texture>, SlotMap<Material>, SlotMap<Mesh>, SlotMap<Node>, SlotMap<Skin>, SlotMap<Animation>, SlotMap<Instance>,
                               SlotMap<Light>, SlotMap<Camera>>;
     Tables tables_;
     Environment environment_;

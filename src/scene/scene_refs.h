@@ -13,13 +13,14 @@ void visit_refs(Texture& texture, V&& visit) {
 }
 template <class V>
 void visit_refs(Material& material, V&& visit) {
-    for (TextureRef* ref :
-         {&material.base_color_texture, &material.metal_rough_texture, &material.normal_texture, &material.emissive_texture})
-        visit(ref->texture, false);
+    for (const MaterialTexture& texture : material_textures()) visit((material.*texture.ref).texture, false);
 }
 template <class V>
 void visit_refs(Mesh& mesh, V&& visit) {
-    for (Primitive& primitive : mesh.primitives) visit(primitive.material, true);
+    for (Primitive& primitive : mesh.primitives) {
+        visit(primitive.material, true);
+        for (Handle<Material>& material : primitive.variant_materials) visit(material, false);
+    }
 }
 template <class V>
 void visit_refs(Node& node, V&& visit) {
@@ -28,7 +29,17 @@ void visit_refs(Node& node, V&& visit) {
 template <class V>
 void visit_refs(Instance& instance, V&& visit) {
     visit(instance.mesh, true);
+    visit(instance.posed, false);
+    visit(instance.skin, false);
     visit(instance.place.node, false);
+}
+template <class V>
+void visit_refs(Skin& skin, V&& visit) {
+    for (Handle<Node>& joint : skin.joints) visit(joint, true);
+}
+template <class V>
+void visit_refs(Animation& animation, V&& visit) {
+    for (AnimationChannel& channel : animation.channels) visit(channel.node, true);
 }
 template <class V>
 void visit_refs(Light& light, V&& visit) {
@@ -49,6 +60,8 @@ void check_value(const Texture& texture);
 void check_value(const Material& material);
 void check_value(const Mesh& mesh);
 void check_value(const Node& node);
+void check_value(const Skin& skin);
+void check_value(const Animation& animation);
 void check_value(const Instance& instance);
 void check_value(const Light& light);
 void check_value(const Camera& camera);

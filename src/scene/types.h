@@ -1,8 +1,12 @@
 #pragma once
 // What a scene is made of, as plain structs: the core of glTF 2.0 and the material extensions that are drawn. Metres, radians,
 // right-handed with +Y up, column vectors; radiance in nits. Fields marked "kept by Scene" are computed by Scene::apply.
+#include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,6 +23,8 @@ struct Material;
 struct Image;
 struct Texture;
 struct Node;
+struct Skin;
+struct Animation;
 struct Instance;
 struct Light;
 struct Camera;
@@ -37,13 +43,22 @@ struct Bounds {
 
 // ---- images and materials ----
 
-// Eight-bit RGBA, rows from the top. How the bytes are to be read (sRGB or linear) is said by the Texture.
+// How texels are stored: four bytes each, or blocks of 4 x 4 texels as the device reads them (Khronos Data Format 1.3, 18 to 20).
+enum class TexelFormat { Rgba8, Bc1, Bc3, Bc4, Bc5, Bc7 };
+
+// Rows from the top. How the numbers are to be read (sRGB or linear) is said by the Texture.
 struct Image {
     static constexpr std::string_view kTypeName = "image";
     std::string name;
     uint32_t width = 0, height = 0;
-    std::vector<uint8_t> rgba;  // 4 * width * height
+    TexelFormat format = TexelFormat::Rgba8;
+    uint32_t level_count = 1;     // levels that are stored; of one level the others are made on the device (never of blocks)
+    std::vector<uint8_t> texels;  // all levels, finest first
+    // The file that it was decoded from, where the loader was asked to keep it, for writing it again as it was.
+    std::shared_ptr<const std::vector<std::byte>> encoded;
 };
+uint64_t level_bytes(TexelFormat format, uint32_t width, uint32_t height);  // of one level of that size
+uint64_t image_bytes(TexelFormat format, uint32_t width, uint32_t height, uint32_t level_count);
 
 enum class Wrap { Repeat, MirroredRepeat, ClampToEdge };
 enum class Filter { Nearest, Linear };
@@ -79,7 +94,8 @@ glm::mat3 uv_transform(const TextureRef& ref);
 
 enum class AlphaMode { Opaque, Mask, Blend };
 
-// glTF's metallic-roughness material. Factors multiply textures; colours are linear Rec. 709.
+// glTF's metallic-roughness material with the extensions of KHR_materials_*, each under its own defaults (which change nothing).
+// Factors multiply textures; colours are linear Rec. 709. Which channel of a texture counts is said beside it.
 struct Material {
     static constexpr std::string_view kTypeName = "material";
     std::string name;
@@ -89,18 +105,61 @@ struct Material {
     TextureRef metal_rough_texture;           // metallic in blue, roughness in green
     TextureRef normal_texture;
     float normal_scale = 1.0f;
+    TextureRef occlusion_texture;  // red; kept for export: paths find their own occlusion
+    float occlusion_strength = 1.0f;
     glm::vec3 emission{0.0f};  // nits: emissiveFactor x emissiveStrength
     TextureRef emissive_texture;
     AlphaMode alpha_mode = AlphaMode::Opaque;
     float alpha_cutoff = 0.5f;
     bool double_sided = false;
-    bool unlit = false;         // KHR_materials_unlit
-    float ior = 1.5f;           // KHR_materials_ior
-    float specular = 1.0f;      // KHR_materials_specular; 0 with metallic 0: pure Lambert
-    float transmission = 0.0f;  // KHR_materials_transmission
+    bool unlit = false;  // KHR_materials_unlit
+    float ior = 1.5f;    // KHR_materials_ior; 0: reflects everything
+    // KHR_materials_specular; specular 0 with metallic 0: pure Lambert
+    float specular = 1.0f;
+    TextureRef specular_texture;  // alpha
+    glm::vec3 specular_color{1.0f};
+    TextureRef specular_color_texture;
+    // KHR_materials_transmission
+    float transmission = 0.0f;
+    TextureRef transmission_texture;  // red
+    // KHR_materials_volume
+    float thickness = 0.0f;         // metres in object space; 0: thin walls, no refraction
+    TextureRef thickness_texture;   // green
+    float attenuation_distance = std::numeric_limits<float>::infinity();  // metres after which attenuation_color is left
+    glm::vec3 attenuation_color{1.0f};
+    // KHR_materials_dispersion: 20 / Abbe number
+    float dispersion = 0.0f;
+    // KHR_materials_clearcoat
+    float clearcoat = 0.0f, clearcoat_roughness = 0.0f;
+    TextureRef clearcoat_texture, clearcoat_roughness_texture;  // red; green
+    TextureRef clearcoat_normal_texture;
+    float clearcoat_normal_scale = 1.0f;
+    // KHR_materials_sheen
+    glm::vec3 sheen_color{0.0f};
+    float sheen_roughness = 0.0f;
+    TextureRef sheen_color_texture, sheen_roughness_texture;  // roughness in alpha
+    // KHR_materials_anisotropy
+    float anisotropy = 0.0f, anisotropy_rotation = 0.0f;  // radians, counter-clockwise from the tangent
+    TextureRef anisotropy_texture;                        // direction in red and green, strength in blue
+    // KHR_materials_iridescence
+    float iridescence = 0.0f, iridescence_ior = 1.3f;
+    float iridescence_thickness_min = 100.0f, iridescence_thickness_max = 400.0f;  // nanometres
+    TextureRef iridescence_texture, iridescence_thickness_texture;                 // red; green
 };
 
+// Every texture that a material may have.
+struct MaterialTexture {
+    TextureRef Material::*ref;
+    ColorSpace color_space;
+};
+std::span<const MaterialTexture> material_textures();
+
 // ---- geometry ----
+
+// What one morph target adds to each vertex at weight 1; arrays are empty or as long as the primitive's positions.
+struct MorphTarget {
+    std::vector<glm::vec3> positions, normals, tangents;
+};
 
 // Triangles with one material. Attribute arrays are empty or as long as `positions`; indices lie below that length.
 struct Primitive {
@@ -111,14 +170,22 @@ struct Primitive {
     std::vector<glm::vec4> colors;      // linear, in [0, 1]
     std::vector<glm::uvec3> triangles;  // counter-clockwise seen from the front
     Handle<Material> material;
-    Bounds bounds;  // kept by Scene
+    std::vector<Handle<Material>> variant_materials;  // by variant of SceneSource::variants, where that many; none: `material`
+    std::vector<MorphTarget> targets;
+    // Skinning: influence_count joints (numbers in the instance's Skin) and weights a vertex, one vertex after the other.
+    uint32_t influence_count = 0;
+    std::vector<uint16_t> joints;
+    std::vector<float> joint_weights;  // sum 1
+    Bounds bounds;                     // kept by Scene
 };
 
 struct Mesh {
     static constexpr std::string_view kTypeName = "mesh";
     std::string name;
     std::vector<Primitive> primitives;
-    Bounds bounds;                // kept by Scene
+    std::vector<float> weights;             // of the morph targets, which all primitives have alike; default 0
+    std::vector<std::string> target_names;  // of the morph targets, where the file names them
+    Bounds bounds;                          // kept by Scene
     uint64_t triangle_count = 0;  // kept by Scene
 };
 
@@ -156,14 +223,47 @@ struct Placement {
 
 struct Instance {
     static constexpr std::string_view kTypeName = "instance";
-    Handle<Mesh> mesh;
+    Handle<Mesh> mesh;  // at rest
     Placement place;
+    Handle<Skin> skin;           // none: rigid
+    std::vector<float> weights;  // of the mesh's morph targets now; empty: the mesh's own
+    Handle<Mesh> posed;          // the mesh as skin and weights deform it, set by SceneEdit::set_pose; none: as it is at rest
+    Handle<Mesh> drawn_mesh() const { return posed ? posed : mesh; }
 };
 
 // True if the transform mirrors: front faces then wind clockwise (glTF 2.0, 3.7.4).
 bool mirrors(const glm::mat4& world_from_object);
 // False for singular or non-finite transforms: nothing of the instance can be seen.
 bool drawable(const glm::mat4& world_from_object);
+
+// ---- animation ----
+
+// glTF 2.0, 3.7.3.3: world_from_joint x inverse_bind takes a vertex of the mesh at rest to the world.
+struct Skin {
+    static constexpr std::string_view kTypeName = "skin";
+    std::string name;
+    std::vector<Handle<Node>> joints;
+    std::vector<glm::mat4> inverse_bind;  // as many as joints
+};
+
+enum class AnimatedPath { Translation, Rotation, Scale, Weights };
+enum class Interpolation { Step, Linear, CubicSpline };
+
+// One property of one node over time (glTF 2.0, 3.11 and appendix C).
+struct AnimationChannel {
+    Handle<Node> node;
+    AnimatedPath path = AnimatedPath::Translation;
+    Interpolation interpolation = Interpolation::Linear;
+    uint32_t width = 3;         // numbers a key: 3; rotation 4 (x, y, z, w); weights: the number of targets
+    std::vector<float> times;   // seconds, increasing; not empty
+    std::vector<float> values;  // width numbers a key; cubic spline: in-tangent, value, out-tangent of width numbers each
+};
+
+struct Animation {
+    static constexpr std::string_view kTypeName = "animation";
+    std::string name;
+    std::vector<AnimationChannel> channels;
+};
 
 // ---- lights, cameras, environment ----
 
@@ -214,7 +314,7 @@ struct SceneSource {
     std::vector<std::string> extensions_used, extensions_required;
     std::vector<std::string> extensions_not_drawn;  // used by the file, not (fully) in the picture
     std::vector<std::string> warnings;
-    uint32_t animation_count = 0, skin_count = 0, morphed_mesh_count = 0;
+    std::vector<std::string> variants;  // names of the material variants (KHR_materials_variants)
     uint64_t file_bytes = 0;  // all files that were read
 };
 

@@ -40,7 +40,7 @@ void SceneGpu::State::assign_instance_rows() {
     left_rows.clear();
     instance_rows.clear();
     for (const auto& [handle, instance] : scene->instances()) {
-        if (!drawable(instance.place.world_from_object) || scene->get(instance.mesh).triangle_count == 0) continue;
+        if (!drawable(instance.place.world_from_object) || scene->get(instance.drawn_mesh()).triangle_count == 0) continue;
         const auto kept = rows_before.find(handle);
         uint32_t row = static_cast<uint32_t>(instances.size());
         if (kept != rows_before.end()) {
@@ -69,7 +69,7 @@ void SceneGpu::State::place_instances(Frame& frame) {
         if (!instance_handles[index]) continue;
         const Instance& instance = scene->get(instance_handles[index]);
         const glm::mat4& world = instance.place.world_from_object;
-        const MeshOnDevice& on_device = meshes.at(instance.mesh);
+        const MeshOnDevice& on_device = meshes.at(instance.drawn_mesh());
         const glm::mat4 inverse(glm::inverse(glm::dmat4(world)));
         instances[index] = {.world_from_object = to_affine(world),
                             .object_from_world = to_affine(inverse),
@@ -80,7 +80,7 @@ void SceneGpu::State::place_instances(Frame& frame) {
                             .flags = mirrors(world) ? shared::kInstanceFlipsFacing : 0u,
                             .mask = 0xFFu};
         geometry_emitter_rows.resize(geometry_emitter_rows.size() + on_device.geometry_count, shared::kNone);
-        stats.instanced_triangles += scene->get(instance.mesh).triangle_count;
+        stats.instanced_triangles += scene->get(instance.drawn_mesh()).triangle_count;
         if (uses_hardware()) {
             driver.push_back(to_tlas(instances[index], on_device, index));
             blases.push_back(on_device.blas);

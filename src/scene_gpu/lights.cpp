@@ -130,7 +130,7 @@ void SceneGpu::State::place_emitters(Frame& frame) {
     for (uint32_t i = 0; i < instances.size(); ++i) {
         if (!instance_handles[i]) continue;
         const Instance& instance = scene->get(instance_handles[i]);
-        const Mesh& mesh = scene->get(instance.mesh);
+        const Mesh& mesh = scene->get(instance.drawn_mesh());
         for (uint32_t g = 0; g < instances[i].geometry_count; ++g) {
             const uint32_t geometry = instances[i].geometry_base + g;
             const auto table = triangle_table_of_geometry.find(geometry);

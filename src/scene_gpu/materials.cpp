@@ -41,7 +41,7 @@ void SceneGpu::State::upload_materials(Frame& frame) {
                                {.format = srgb ? gpu::Format::Rgba8Srgb : gpu::Format::Rgba8Unorm,
                                 .extent = {source.width, source.height},
                                 .mip_count = mip_count(source.width, source.height)});
-            frame.upload_image(image, std::as_bytes(std::span(source.rgba)));
+            frame.upload_image(image, std::as_bytes(std::span(source.texels)));
             frame.make_mips(image);
             images.push_back(image);
         }

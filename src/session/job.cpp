@@ -38,7 +38,7 @@ void check_targets(const RenderOptions& options) {
 
 uint64_t count_triangles(const Scene& scene) {
     uint64_t count = 0;
-    for (const auto& [handle, instance] : scene.instances()) count += scene.get(instance.mesh).triangle_count;
+    for (const auto& [handle, instance] : scene.instances()) count += scene.get(instance.drawn_mesh()).triangle_count;
     return count;
 }
 
@@ -117,7 +117,7 @@ private:
 
 void Job::load() {
     const auto begin = Clock::now();
-    loaded_ = load_scene(options_.scene);
+    loaded_ = load_scene(options_.scene, options_.load);
     add_light(loaded_.scene, options_);
     camera_ = choose_camera(loaded_.scene, options_, report_.camera);
     report_.scene = options_.scene;

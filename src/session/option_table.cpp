@@ -12,6 +12,7 @@ constexpr uint32_t kInfo = command_bit(Command::Info);
 constexpr uint32_t kBench = command_bit(Command::Bench);
 constexpr uint32_t kSettings = command_bit(Command::Settings);
 constexpr uint32_t kHelp = command_bit(Command::Help);
+constexpr uint32_t kTakesScene = kRender | kInfo;
 
 constexpr std::string_view kUseSpp = "use --spp N: a path tracer adds samples to one picture";
 constexpr std::string_view kUseFrames = "use --frames N: the realtime renderer makes frames";
@@ -65,14 +66,24 @@ const OptionSpec kOptions[] = {
      .help = "the point that --look-from looks at (default: the middle of the scene)"},
     {.name = "--fov", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "DEG",
      .help = "vertical field of view in degrees", .min = 0.1, .max = 175},
-    {.name = "--time", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "T",
-     .help = "seconds on the scene's clock", .min = 0, .max = 1e6, .bits = kAbsent},
     {.name = "--fps", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "F",
      .help = "frames per second of the scene's clock; 0 holds time", .min = 0, .max = 1e6, .bits = kAbsent},
-    {.name = "--animate", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Text, .value = "NAME",
-     .help = "play a scripted edit of a built-in scene", .bits = kAbsent},
     {.name = "--camera-path", .section = "Camera and time", .commands = kRender, .kind = ValueKind::File, .value = "F.json",
      .help = "move the camera along a path", .bits = kAbsent},
+
+    // Scene
+    {.name = "--time", .section = "Scene", .commands = kTakesScene, .kind = ValueKind::Number, .value = "T", .fallback = "0",
+     .help = "seconds on the scene's clock: where its animations stand", .min = 0, .max = 1e6},
+    {.name = "--animation", .section = "Scene", .commands = kTakesScene, .kind = ValueKind::Text, .value = "NAME|INDEX",
+     .help = "the animation of a glTF file to play (default: all that do not move the same things, the first winning)"},
+    {.name = "--animate", .section = "Scene", .commands = kTakesScene, .kind = ValueKind::Text, .value = "NAME",
+     .help = "the scripted edit of a built-in scene to play (`parhelion info` lists them)"},
+    {.name = "--variant", .section = "Scene", .commands = kTakesScene, .kind = ValueKind::Text, .value = "NAME",
+     .help = "the material variant of a glTF file to show (`parhelion info` lists them)"},
+    {.name = "--triangles", .section = "Scene", .commands = kTakesScene, .kind = ValueKind::Integer, .value = "N",
+     .help = "about how many triangles builtin:forest has", .min = 1, .max = 2e9},
+    {.name = "--allow-external", .section = "Scene", .commands = kTakesScene,
+     .help = "let the scene read files outside its own folder"},
 
     // Light
     {.name = "--env", .section = "Light", .commands = kRender, .kind = ValueKind::File, .value = "F.hdr",

@@ -101,9 +101,21 @@ OutputOptions read_output_options(const OptionValues& values) {
     return output;
 }
 
+LoadOptions read_load_options(const OptionValues& values) {
+    LoadOptions load;
+    load.time = parse_float(values.text("--time"), "--time");
+    if (values.given("--animation")) load.animation = values.text("--animation");
+    if (values.given("--animate")) load.animate = values.text("--animate");
+    if (values.given("--variant")) load.variant = values.text("--variant");
+    if (values.given("--triangles")) load.builtin.triangles = static_cast<uint64_t>(parse_int(values.text("--triangles"), "--triangles"));
+    load.limits.allow_external = values.flag("--allow-external");
+    return load;
+}
+
 RenderOptions read_render_options(const OptionValues& values) {
     RenderOptions options;
     if (!values.positionals.empty()) options.scene = values.positionals.front();
+    options.load = read_load_options(values);
     options.renderer = read_choice<RendererKind>(values, "--renderer");
     options.size = parse_size(values.text("--size"), "--size");
     options.seed = read_uint(values, "--seed");

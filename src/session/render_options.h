@@ -9,6 +9,7 @@
 
 #include "base/parse.h"
 #include "image/tonemap.h"
+#include "scene/load.h"
 #include "session/options.h"
 
 namespace parhelion {
@@ -25,6 +26,7 @@ struct OutputOptions {
 
 struct RenderOptions {
     std::string scene;  // file or builtin:NAME; empty with print_settings
+    LoadOptions load;
     RendererKind renderer = RendererKind::Reference;
     Size2 size{1280, 720};
     uint32_t seed = 0;
@@ -61,6 +63,7 @@ struct RenderOptions {
 // Values that passed check_options. Throws a usage Error where they do not fit each other.
 RenderOptions read_render_options(const OptionValues& values);
 OutputOptions read_output_options(const OptionValues& values);
+LoadOptions read_load_options(const OptionValues& values);  // of every command that takes a scene
 bool is_png(const std::filesystem::path& file);  // by its extension; the other format is EXR
 
 }  // namespace parhelion

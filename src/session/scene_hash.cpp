@@ -28,8 +28,12 @@ void add_material(Hasher& hasher, const Material& m) {
     add_plain(hasher, m.emission);
     hasher.add(m.metallic).add(m.roughness).add(m.normal_scale).add(m.alpha_mode).add(m.alpha_cutoff).add(m.double_sided).add(m.unlit);
     hasher.add(m.ior).add(m.specular).add(m.transmission);
-    for (const TextureRef* ref : {&m.base_color_texture, &m.metal_rough_texture, &m.normal_texture, &m.emissive_texture})
-        add_texture(hasher, *ref);
+    hasher.add(m.thickness).add(m.attenuation_distance).add(m.dispersion);
+    hasher.add(m.clearcoat).add(m.clearcoat_roughness).add(m.clearcoat_normal_scale);
+    hasher.add(m.sheen_roughness).add(m.anisotropy).add(m.anisotropy_rotation);
+    hasher.add(m.iridescence).add(m.iridescence_ior).add(m.iridescence_thickness_min).add(m.iridescence_thickness_max);
+    for (const glm::vec3& color : {m.specular_color, m.attenuation_color, m.sheen_color}) add_plain(hasher, color);
+    for (const MaterialTexture& texture : material_textures()) add_texture(hasher, m.*texture.ref);
 }
 
 void add_primitive(Hasher& hasher, const Primitive& p) {
@@ -47,7 +51,7 @@ void add_primitive(Hasher& hasher, const Primitive& p) {
 
 uint64_t hash_scene(const Scene& scene) {
     Hasher hasher;
-    for (const auto& [handle, image] : scene.images()) add_array(hasher.add(image.width).add(image.height), image.rgba);
+    for (const auto& [handle, image] : scene.images()) add_array(hasher.add(image.width).add(image.height), image.texels);
     for (const auto& [handle, texture] : scene.textures()) {
         const Sampler& s = texture.sampler;
         hasher.add(texture.image.index)
@@ -61,7 +65,7 @@ uint64_t hash_scene(const Scene& scene) {
     for (const auto& [handle, material] : scene.materials()) add_material(hasher, material);
     for (const auto& [handle, mesh] : scene.meshes())
         for (const Primitive& primitive : mesh.primitives) add_primitive(hasher.add(handle.index), primitive);
-    for (const auto& [handle, instance] : scene.instances()) add_plain(hasher.add(instance.mesh.index), instance.place.world_from_object);
+    for (const auto& [handle, instance] : scene.instances()) add_plain(hasher.add(instance.drawn_mesh().index), instance.place.world_from_object);
     for (const auto& [handle, light] : scene.lights()) {
         hasher.add(light.kind).add(light.intensity).add(light.range).add(light.inner_cone).add(light.outer_cone).add(light.angular_radius);
         add_plain(hasher, light.color);

@@ -101,7 +101,7 @@ TEST_F(Culling, a_camera_inside_out_sees_the_same_in_pictures) {
 
 TEST_F(Culling, a_mask_has_holes) {
     SceneEdit edit;
-    Image half{.name = "half", .width = 2, .height = 1, .rgba = {255, 255, 255, 0, 255, 255, 255, 255}};
+    Image half{.name = "half", .width = 2, .height = 1, .texels = {255, 255, 255, 0, 255, 255, 255, 255}};
     Material material = plain(true);
     material.alpha_mode = AlphaMode::Mask;
     material.base_color_texture.texture = edit.add(Texture{.image = edit.add(std::move(half)), .sampler = {.wrap_u = Wrap::ClampToEdge, .mag = Filter::Nearest, .min = Filter::Nearest}});

@@ -21,7 +21,7 @@ protected:
     // One frame as a host does it: its command buffer, its submission.
     void draw(Renderer& renderer, View& view, const gpu::Image& ldr) {
         gpu::CommandList host(device());
-        const uint64_t serial = renderer.record(host.impl().commands, view, ldr);
+        const uint64_t serial = renderer.record(host.impl().buffer, view, ldr);
         ASSERT_TRUE(gpu::wait(device(), gpu::submit(device(), std::move(host))));
         renderer.retire(serial);
     }

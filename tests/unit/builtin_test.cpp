@@ -32,7 +32,7 @@ uint64_t hash_scene(const Scene& scene) {
             add(hasher, p.triangles);
         }
     for (const auto& [handle, instance] : scene.instances()) hasher.bytes(&instance.place.world_from_object, sizeof(glm::mat4));
-    for (const auto& [handle, image] : scene.images()) add(hasher, image.rgba);
+    for (const auto& [handle, image] : scene.images()) add(hasher, image.texels);
     add(hasher, scene.environment().radiance);
     return hasher.value();
 }

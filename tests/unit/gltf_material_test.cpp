@@ -95,8 +95,8 @@ TEST(GltfMaterials, textures_know_their_color_space_and_one_image_may_have_two) 
     EXPECT_EQ(scene.get(m.metal_rough_texture.texture).color_space, ColorSpace::Linear);
     const Image& image = scene.get(scene.get(m.metal_rough_texture.texture).image);
     EXPECT_EQ(image.width, 2u);
-    EXPECT_EQ(image.rgba[0], 10);
-    EXPECT_EQ(image.rgba[3], 255);
+    EXPECT_EQ(image.texels[0], 10);
+    EXPECT_EQ(image.texels[3], 255);
 }
 
 TEST(GltfMaterials, samplers_are_read_and_unknown_modes_are_warnings) {

@@ -156,7 +156,7 @@ TEST(Options, wrong_usage_is_named_with_what_to_do) {
         {{"a", "--renderer", "realtime"}, "--renderer: 'realtime' is not built into this version (it has reference)"},
         {{"a", "--renderer", "wavefront"}, "--renderer: 'wavefront' is not built into this version"},
         {{"a", "--denoise", "oidn"}, "--denoise: 'oidn' is not built into this version (it has none)"},
-        {{"a", "--time", "1"}, "--time: it is not built into this version"},
+        {{"a", "--fps", "1"}, "--fps: it is not built into this version"},
         {{"a", "--aov", "albedo,nromal", "--out", "x.exr"}, "--aov: 'nromal' is not a choice (did you mean normal?"},
         {{"a", "--aov", "way.*", "--out", "x.exr"}, "--aov: 'way.*' is not a choice"},
         {{"a", "--aov", "albedo,", "--out", "x.exr"}, "--aov: '' is not a choice"},

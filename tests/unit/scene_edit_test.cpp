@@ -205,7 +205,7 @@ TEST(SceneEdit, what_is_in_use_cannot_be_removed) {
 TEST(SceneEdit, a_texture_may_go_in_the_edit_that_replaces_its_material) {
     Scene scene;
     SceneEdit edit;
-    const auto image = edit.add(Image{.width = 1, .height = 1, .rgba = {1, 2, 3, 4}});
+    const auto image = edit.add(Image{.width = 1, .height = 1, .texels = {1, 2, 3, 4}});
     const auto texture = edit.add(Texture{.image = image});
     const auto material = edit.add(Material{.base_color_texture = {.texture = texture}});
     const ChangeSet changes = scene.apply(std::move(edit));
@@ -266,7 +266,7 @@ TEST(SceneEdit, values_that_renderers_cannot_use_are_refused) {
         edit.add(std::move(mesh));
         return !error_of(scene, std::move(edit)).empty();
     };
-    EXPECT_TRUE(refused(Image{.width = 2, .height = 2, .rgba = {1, 2, 3, 4}}));
+    EXPECT_TRUE(refused(Image{.width = 2, .height = 2, .texels = {1, 2, 3, 4}}));
     EXPECT_TRUE(refused(Image{}));
     EXPECT_TRUE(refused(Material{.roughness = nan}));
     EXPECT_TRUE(refused(Material{.emission = {-1, 0, 0}}));
