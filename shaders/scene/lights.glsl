@@ -54,6 +54,16 @@ float pdf_light(uint emitter, Surface s, vec3 wi) {
 float pdf_light_environment(vec3 wi) {
     return alias_pmf(scene.header.emitter_table, scene.header.environment.emitter) * pdf_environment_solid_angle(wi);
 }
+// A sun: a directional light whose disk has an extent. Illuminance E on a surface that faces a disk of radiance L and angular
+// radius a is pi sin^2(a) L.
+vec3 sun_radiance(Emitter sun) { return sun.intensity / (kPi * sun.opening * (2.0 - sun.opening)); }
+// 1 - cos of the angle to the disk's middle, by the chord: as small as the sun's is, the cosine alone would have no digits left.
+bool in_sun(Emitter sun, vec3 d) {
+    const vec3 chord = d + sun.direction_ws;
+    return dot(chord, chord) <= 2.0 * sun.opening;
+}
+float pdf_light_sun(uint emitter, Emitter sun) { return alias_pmf(scene.header.emitter_table, emitter) * pdf_cone_solid_angle(sun.opening); }
+
 uint surface_emitter(Surface s) {
     return UintArray(scene.header.geometry_emitters).v[scene_instance(s.instance).emitter_base + s.geometry];
 }
@@ -95,6 +105,15 @@ LightSample sample_mesh_light(LightPick pick, Emitter emitter, vec3 x_ws, vec2 u
     return result;
 }
 
+LightSample sample_sun(LightPick pick, Emitter sun, vec2 u) {
+    LightSample result = kNoLightSample;
+    result.infinite = true;
+    result.wi = normalize(make_frame(-sun.direction_ws) * sample_cone(u, sun.opening));
+    result.radiance = sun_radiance(sun);
+    result.pdf = pick.probability * pdf_cone_solid_angle(sun.opening);
+    return result;
+}
+
 // Point and spot: intensity over squared distance; the spot's cone as KHR_lights_punctual defines it.
 LightSample sample_punctual_light(LightPick pick, Emitter emitter, vec3 x_ws) {
     LightSample result = kNoLightSample;
@@ -123,6 +142,7 @@ LightSample sample_light(LightPick pick, vec3 x_ws, vec4 u) {
     if (pick.emitter == kNone) return kNoLightSample;
     const Emitter emitter = scene_emitter(pick.emitter);
     if (emitter.kind == kEmitterMesh) return sample_mesh_light(pick, emitter, x_ws, u.xy);
+    if (emitter.kind == kEmitterDirectional && emitter.opening > 0.0) return sample_sun(pick, emitter, u.xy);
     if (emitter.kind != kEmitterEnvironment) return sample_punctual_light(pick, emitter, x_ws);
     LightSample result = kNoLightSample;
     result.infinite = true;

@@ -74,6 +74,15 @@ void add_environment(inout PathState path, uint mode) {
     add_arriving(path, path.throughput * weight * environment_radiance(path.ray.direction_ws));
 }
 
+// The disks of suns that the ray meets.
+void add_suns(inout PathState path, uint mode) {
+    for (uint i = 0u; i < scene.header.sun_count; ++i) {
+        const uint emitter = UintArray(scene.header.suns).v[i];
+        const Emitter sun = scene_emitter(emitter);
+        if (in_sun(sun, path.ray.direction_ws)) add_arriving(path, path.throughput * arriving_weight(path, mode, pdf_light_sun(emitter, sun)) * sun_radiance(sun));
+    }
+}
+
 void add_emission(inout PathState path, Surface s, uint mode) {
     if (s.emission == vec3(0.0)) return;
     const uint emitter = surface_emitter(s);
@@ -156,6 +165,7 @@ PathRadiance trace_path(ViewData view, uvec2 pixel, uint sample_index, inout Fir
         const Hit hit = trace_closest(path.ray);
         if (is_miss(hit)) {
             add_environment(path, view.light_sampling);
+            add_suns(path, view.light_sampling);
             if (path.bounce == 0u) first.emission = path.radiance.emission;
             break;
         }

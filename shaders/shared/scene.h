@@ -78,7 +78,7 @@ struct Material {
 SHARED_CONST uint kEmitterMesh = 0u;         // emissive triangles of one instance's geometry
 SHARED_CONST uint kEmitterPoint = 1u;
 SHARED_CONST uint kEmitterSpot = 2u;
-SHARED_CONST uint kEmitterDirectional = 3u;  // infinitely far; a disk of angular radius `angle` (0: a delta light)
+SHARED_CONST uint kEmitterDirectional = 3u;  // infinitely far; a disk of uniform radiance, or a delta light
 SHARED_CONST uint kEmitterEnvironment = 4u;
 
 // The top level of the light table. Light ids are (emitter, triangle).
@@ -92,7 +92,7 @@ struct Emitter {
     vec3 direction_ws;    // spot, directional: where the light goes, unit
     vec3 intensity;       // point, spot: candela; directional: lux on a surface that faces it
     float cos_inner, cos_outer;
-    float angle;
+    float opening;        // directional: 1 - cos of its angular radius; 0: a delta light
 };
 
 // One row of an alias table (Vose 1991): a bin keeps itself with `probability`, else gives `alias`; `pmf` is its own share.
@@ -127,7 +127,9 @@ struct SceneHeader {
     uint64_t top_nodes_before, top_items_before;  // of the previous frame
     uint64_t sobol;              // uint[kSobolDimensions * 32]
     uint64_t blue_noise;         // uint[128 * 128 / 2], two 16-bit ranks a word
+    uint64_t suns;               // uint[sun_count]: emitters that are disks at infinity, which rays can meet
     uint emitter_count;
+    uint sun_count;
     uint culling;                // 1: single-sided surfaces are invisible from behind
     Environment environment;
 };

@@ -25,6 +25,12 @@ void append_alias_rows(std::span<const double> weights, std::vector<shared::Alia
     for (size_t i = 0; i < weights.size(); ++i) out.push_back({table.entries()[i].probability, table.entries()[i].alias, table.pmf()[i]});
 }
 
+// Exact for angles as small as the sun's.
+float one_minus_cos(float angle) {
+    const double sine = std::sin(0.5 * double(angle));
+    return static_cast<float>(2.0 * sine * sine);
+}
+
 glm::vec3 world_point(const glm::mat4& world, glm::vec3 p) { return glm::vec3(world * glm::vec4(p, 1.0f)); }
 
 double world_area(const Primitive& primitive, const glm::mat4& world) {
@@ -122,6 +128,7 @@ void SceneGpu::State::place_emitters(Frame& frame) {
     emitters.clear();
     std::vector<double> finite, infinite;  // flux in lumen; irradiance in lux
     std::vector<uint32_t> finite_rows, infinite_rows;
+    sun_rows.clear();
     const auto add = [&](const shared::Emitter& emitter, double weight, bool is_infinite) {
         (is_infinite ? infinite : finite).push_back(weight);
         (is_infinite ? infinite_rows : finite_rows).push_back(static_cast<uint32_t>(emitters.size()));
@@ -151,7 +158,8 @@ void SceneGpu::State::place_emitters(Frame& frame) {
                             .intensity = intensity,
                             .cos_inner = std::cos(light.inner_cone),
                             .cos_outer = std::cos(light.outer_cone),
-                            .angle = light.angular_radius};
+                            .opening = one_minus_cos(light.kind == LightKind::Directional ? light.angular_radius : 0.0f)};
+        if (row.opening > 0.0f) sun_rows.push_back(static_cast<uint32_t>(emitters.size()));
         const double solid_angle = light.kind == LightKind::Spot ? 2 * kPi * (1 - row.cos_outer) : 4 * kPi;
         add(row, light.kind == LightKind::Directional ? luminance(intensity) : luminance(intensity) * solid_angle, light.kind == LightKind::Directional);
     }
@@ -171,6 +179,7 @@ void SceneGpu::State::place_emitters(Frame& frame) {
     append_alias_rows(weights, rows);
     emitter_table = make_buffer(frame, "emitters", emitters);
     emitter_alias = make_buffer(frame, "emitter_alias", rows);
+    suns = make_buffer(frame, "suns", sun_rows);
     geometry_emitters = make_buffer(frame, "geometry_emitters", geometry_emitter_rows);
     stats.emitters = static_cast<uint32_t>(emitters.size());
 }

@@ -79,6 +79,8 @@ void SceneGpu::State::write_header(Frame& frame) {
     header.top_items_before = address(top_items[1 - parity] ? top_items[1 - parity] : top_items[parity]);
     header.sobol = address(sampler_tables);
     header.blue_noise = address(sampler_tables) + sampling::sobol_table().size() * sizeof(uint32_t);
+    header.suns = address(suns);
+    header.sun_count = static_cast<uint32_t>(sun_rows.size());
     header.emitter_count = static_cast<uint32_t>(emitters.size());
     header.culling = options.culling ? 1 : 0;
     header.environment = environment;
@@ -95,7 +97,7 @@ void SceneGpu::State::write_header(Frame& frame) {
 
     binding = {.set = set,
                .buffers = {block, positions, indices, attributes, geometry_table, material_table, instance_table, emitter_table, emitter_alias, triangle_alias,
-                           geometry_emitters, environment_alias, sampler_tables},
+                           geometry_emitters, environment_alias, suns, sampler_tables},
                .textures = images};
     for (const gpu::Buffer& buffer : {bottom_nodes, bottom_triangles, top_nodes[0], top_items[0], top_nodes[1], top_items[1]})
         if (buffer) binding.buffers.push_back(buffer);

@@ -39,7 +39,8 @@ struct SceneGpu::State {
     std::vector<std::pair<gpu::Image, gpu::Sampler>> textures;  // by slot of the texture table
     // lights.cpp
     std::vector<shared::Emitter> emitters;
-    gpu::Buffer emitter_table, emitter_alias, triangle_alias, geometry_emitters, environment_alias;
+    gpu::Buffer emitter_table, emitter_alias, triangle_alias, geometry_emitters, environment_alias, suns;
+    std::vector<uint32_t> sun_rows;
     std::unordered_map<uint32_t, uint32_t> triangle_table_of_geometry;  // geometry row -> offset in triangle_alias
     std::vector<shared::AliasEntry> triangle_rows;
     shared::Environment environment{};

@@ -118,7 +118,7 @@ private:
 void Job::load() {
     const auto begin = Clock::now();
     loaded_ = load_scene(options_.scene, options_.load);
-    add_light(loaded_.scene, options_);
+    add_light(loaded_.scene, options_, sky_options(settings_));
     camera_ = choose_camera(loaded_.scene, options_, report_.camera);
     report_.scene = options_.scene;
     report_.triangles = count_triangles(loaded_.scene);

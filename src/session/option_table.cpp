@@ -86,8 +86,8 @@ const OptionSpec kOptions[] = {
      .help = "let the scene read files outside its own folder"},
 
     // Light
-    {.name = "--env", .section = "Light", .commands = kRender, .kind = ValueKind::File, .value = "F.hdr",
-     .help = "light from an equirectangular picture (.hdr, .exr) in nits"},
+    {.name = "--env", .section = "Light", .commands = kRender, .kind = ValueKind::File, .value = "F.hdr|sky",
+     .help = "light from an equirectangular picture (.hdr, .exr) in nits, or from a clear sky with its sun (sky.* of --set)"},
     {.name = "--env-intensity", .section = "Light", .commands = kRender, .kind = ValueKind::Number, .value = "X", .fallback = "1",
      .help = "factor on the environment's light", .min = 0, .max = 1e9},
     {.name = "--env-rotation", .section = "Light", .commands = kRender, .kind = ValueKind::Number, .value = "DEG", .fallback = "0",

@@ -2,6 +2,7 @@
 // The settings of `--set group.field=value`: what a picture depends on and seldom needs an option of its own.
 #include "base/settings.h"
 #include "renderers/view.h"
+#include "scene/sky.h"
 
 namespace parhelion {
 
@@ -14,6 +15,7 @@ struct RenderSettings {
     LightSampling light_sampling = LightSampling::Mis;
     Culling culling = Culling::Gltf;
     float infinite_share = 0.5f;
+    float sun_elevation = 40.0f, sun_azimuth = 45.0f;  // degrees
 };
 
 template <class V>
@@ -26,6 +28,12 @@ void visit(V&& v, RenderSettings& s) {
     v.field("scene.culling", s.culling, choices({"none", "gltf"}), "gltf: single-sided surfaces are invisible from behind");
     v.field("light.infinite_share", s.infinite_share, range(0, 1),
             "share of light samples for sky and directional lights where other lights exist too");
+    v.field("sky.sun_elevation", s.sun_elevation, range(-18, 90), "degrees of the clear sky's sun above the horizon");
+    v.field("sky.sun_azimuth", s.sun_azimuth, range(-360, 360), "degrees of the clear sky's sun from +Z towards +X");
+}
+
+inline SkyOptions sky_options(const RenderSettings& s) {
+    return {.sun_elevation = glm::radians(s.sun_elevation), .sun_azimuth = glm::radians(s.sun_azimuth)};
 }
 
 }  // namespace parhelion

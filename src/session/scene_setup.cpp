@@ -3,11 +3,19 @@
 #include <cmath>
 #include <numbers>
 
+#include <glm/gtc/matrix_transform.hpp>
+
 #include "base/error.h"
 #include "base/log.h"
 #include "scene/load.h"
 
 namespace parhelion {
+
+namespace {
+
+constexpr std::string_view kClearSky = "sky";  // --env
+
+}  // namespace
 
 bool has_light(const Scene& scene) {
     if (!scene.lights().empty() || !scene.environment().black()) return true;
@@ -16,33 +24,25 @@ bool has_light(const Scene& scene) {
     return false;
 }
 
-Environment overcast_sky() {
-    constexpr float kZenith = 4000.0f;  // nits
-    // A fifth of the sky's horizontal illuminance 7/9 pi Lz comes back from the ground.
-    constexpr float kGround = 0.2f * 7.0f / 9.0f * kZenith;
-    Environment sky;
-    sky.name = "overcast sky";
-    sky.width = 2;
-    sky.height = 64;
-    sky.scale = glm::vec3(1.0f);
-    for (uint32_t row = 0; row < sky.height; ++row) {
-        const float polar = (static_cast<float>(row) + 0.5f) / static_cast<float>(sky.height) * std::numbers::pi_v<float>;
-        const float up = std::cos(polar);
-        const float nits = up > 0 ? kZenith * (1.0f + 2.0f * up) / 3.0f : kGround;
-        sky.radiance.insert(sky.radiance.end(), sky.width, glm::vec3(nits));
-    }
-    return sky;
-}
-
-void add_light(Scene& scene, const RenderOptions& options) {
+void add_light(Scene& scene, const RenderOptions& options, const SkyOptions& sky_options) {
     SceneEdit edit;
-    Environment environment = options.environment.empty() ? scene.environment() : load_environment(options.environment);
-    if (environment.black() && options.default_light && !has_light(scene)) {
-        log(LogLevel::Info, "the scene has no light: an overcast sky is added (--no-default-light keeps it black, --env F.hdr lights it)");
-        environment = overcast_sky();
+    const bool asked = options.environment == kClearSky;
+    Environment environment = options.environment.empty() || asked ? scene.environment() : load_environment(options.environment);
+    const bool needed = environment.black() && options.default_light && !has_light(scene);
+    const float factor = static_cast<float>(options.env_intensity), turn = static_cast<float>(options.env_rotation_degrees * std::numbers::pi / 180.0);
+    if (asked || needed) {
+        if (!asked)
+            log(LogLevel::Info,
+                "the scene has no light: a clear sky with its sun is added (--no-default-light keeps it black, --env F.hdr lights it)");
+        Sky sky = make_clear_sky(sky_options);
+        environment = std::move(sky.environment);
+        sky.sun.intensity *= factor;
+        // The environment turns counter-clockwise seen from above, and the sun with it.
+        sky.sun.place.node_from_object = glm::rotate(glm::mat4(1.0f), turn, glm::vec3(0, 1, 0)) * sky.sun.place.node_from_object;
+        if (sky.sun.intensity > 0.0f) edit.add(std::move(sky.sun));
     }
-    environment.scale *= static_cast<float>(options.env_intensity);
-    environment.rotation += static_cast<float>(options.env_rotation_degrees * std::numbers::pi / 180.0);
+    environment.scale *= factor;
+    environment.rotation += turn;
     edit.set_environment(std::move(environment));
     scene.apply(std::move(edit));
 }

@@ -5,15 +5,15 @@
 #include "gpu/device.h"
 #include "renderers/view.h"
 #include "scene/camera.h"
+#include "scene/sky.h"
 #include "session/render_options.h"
 
 namespace parhelion {
 
-// Applies --env and its factors and, in a scene without any light, a sky (and says so) unless the options forbid it.
-void add_light(Scene& scene, const RenderOptions& options);
+// Applies --env and its factors and, in a scene without any light, a clear sky with its sun (and says so) unless the options
+// forbid it.
+void add_light(Scene& scene, const RenderOptions& options, const SkyOptions& sky);
 bool has_light(const Scene& scene);
-// The CIE standard overcast sky (Moon and Spencer 1942) over a ground that reflects a fifth.
-Environment overcast_sky();
 
 // The options' camera, else the scene's, else one that frames the scene. `description` says which, for the summary.
 CameraView choose_camera(const Scene& scene, const RenderOptions& options, std::string& description);

@@ -150,6 +150,44 @@ TEST_F(ClosedForm, a_directional_light_gives_its_lux_times_the_cosine) {
     expect_irradiance({.kind = LightKind::Directional, .intensity = 7.0f}, looking_down_from({}, 0.7f), [](glm::dvec3) { return 7.0 * std::cos(0.7); });
 }
 
+// A disk at infinity lights like a ray from its middle: the mean cosine over it is the middle's.
+TEST_F(ClosedForm, a_sun_gives_its_lux_times_the_cosine_however_it_is_sampled) {
+    constexpr float kTilt = 0.5f;
+    SceneEdit edit;
+    add_ground(edit);
+    edit.add(Light{.kind = LightKind::Directional, .intensity = 7.0f, .angular_radius = 0.3f, .place = {.node_from_object = looking_down_from({}, kTilt)}});
+    Stage stage(make_scene(std::move(edit)));
+    for (const uint32_t light_sampling : {0u, 1u, 2u}) {
+        Shot shot = from_above(256);
+        shot.view.light_sampling = light_sampling;
+        std::vector<double> ratios;
+        for (const double v : values(stage.picture(shot), 2)) ratios.push_back(v / (double(kAlbedo.z) / kPi * 7.0 * std::cos(double(kTilt))));
+        expect_mean(ratios, 1.0, light_sampling == 2 ? 0.04 : 0.004, fmt::format("light sampling {}", light_sampling));
+    }
+}
+
+// The real sun's size: light sampling has next to no noise, and its disk is where it should be.
+TEST_F(ClosedForm, a_sun_of_half_a_degree_is_seen_with_its_radiance_and_edge) {
+    constexpr float kRadius = 0.004625f, kTilt = 0.6f;
+    SceneEdit edit;
+    add_ground(edit);
+    edit.add(Light{.kind = LightKind::Directional, .intensity = 9e4f, .angular_radius = kRadius, .place = {.node_from_object = looking_down_from({}, kTilt)}});
+    Stage stage(make_scene(std::move(edit)));
+    for (const double v : values(stage.picture(from_above(16)), 0)) ASSERT_NEAR(v, double(kAlbedo.x) / kPi * 9e4 * std::cos(double(kTilt)), 50.0);
+
+    const glm::vec3 to_sun(-std::sin(kTilt), std::cos(kTilt), 0.0f);
+    const Shot at_sun{.view = {.width = 33, .height = 33, .filter = PixelFilter::Point}, .camera = look_at({0.0f, 1.0f, 0.0f}, glm::vec3(0.0f, 1.0f, 0.0f) + to_sun, 4.0f * kRadius), .sample_count = 1};
+    const image::ImageF picture = stage.picture(at_sun);
+    const double nits = 9e4 / (kPi * std::pow(std::sin(double(kRadius)), 2));
+    for (uint32_t y = 0; y < 33; ++y)
+        for (uint32_t x = 0; x < 33; ++x) {
+            const double away = std::hypot(x - 16.0, y - 16.0) / 16.5 * 2;  // in radii of the disk
+            const double v = picture.plane(1)[y * 33 + x];
+            if (away < 0.98) { EXPECT_NEAR(v, nits, 1e-4 * nits) << x << ' ' << y; }
+            if (away > 1.02) { EXPECT_EQ(v, 0.0) << x << ' ' << y; }
+        }
+}
+
 TEST_F(ClosedForm, lights_of_all_kinds_add_up) {
     SceneEdit edit;
     add_ground(edit);

@@ -56,7 +56,7 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Material) v) {
     F(base_color_texture) F(metal_rough_texture) F(normal_texture) F(emissive_texture)
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Emitter) v) {
-    F(kind) F(instance) F(geometry) F(triangle_count) F(triangle_table) F(position_ws) F(direction_ws) F(intensity) F(cos_inner) F(cos_outer) F(angle)
+    F(kind) F(instance) F(geometry) F(triangle_count) F(triangle_table) F(position_ws) F(direction_ws) F(intensity) F(cos_inner) F(cos_outer) F(opening)
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(AliasEntry) v) { F(probability) F(alias) F(pmf) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Environment) v) {
@@ -65,7 +65,7 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Environment) v) {
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(SceneHeader) v) {
     F(instances) F(geometries) F(materials) F(geometry_emitters) F(emitters) F(emitter_table) F(triangle_tables) F(environment_table)
     F(bottom_nodes) F(bottom_triangles) F(top_nodes) F(top_items) F(top_nodes_before) F(top_items_before) F(sobol) F(blue_noise)
-    F(emitter_count) F(culling) F(environment)
+    F(suns) F(emitter_count) F(sun_count) F(culling) F(environment)
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Hit) v) { F(instance_bits) F(geometry) F(primitive) F(barycentrics) F(t) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Camera) v) { F(position_ws) F(right_ws) F(up_ws) F(forward_ws) F(orthographic) }
