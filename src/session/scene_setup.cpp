@@ -19,9 +19,12 @@ constexpr std::string_view kClearSky = "sky";  // --env
 
 bool has_light(const Scene& scene) {
     if (!scene.lights().empty() || !scene.environment().black()) return true;
-    for (const auto& [handle, material] : scene.materials())
+    bool all_unlit = !scene.materials().empty();
+    for (const auto& [handle, material] : scene.materials()) {
         if (material.emission != glm::vec3(0.0f)) return true;
-    return false;
+        all_unlit = all_unlit && material.unlit;
+    }
+    return all_unlit;
 }
 
 void add_light(Scene& scene, const RenderOptions& options, const SkyOptions& sky_options) {

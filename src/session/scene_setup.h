@@ -13,7 +13,7 @@ namespace parhelion {
 // Applies --env and its factors and, in a scene without any light, a clear sky with its sun (and says so) unless the options
 // forbid it.
 void add_light(Scene& scene, const RenderOptions& options, const SkyOptions& sky);
-bool has_light(const Scene& scene);
+bool has_light(const Scene& scene);  // or is shown unlit (KHR_materials_unlit) throughout, which needs none
 
 // The options' camera, else the scene's, else one that frames the scene. `description` says which, for the summary.
 CameraView choose_camera(const Scene& scene, const RenderOptions& options, std::string& description);

@@ -65,6 +65,18 @@ TEST(SceneSetup, a_scene_without_light_gets_a_sky_unless_it_is_refused) {
     EXPECT_LT(sun.place.world_from_object[2].z, -0.3f);
 }
 
+TEST(SceneSetup, a_scene_that_is_unlit_throughout_needs_no_sky) {
+    Scene scene;
+    SceneEdit edit;
+    edit.add(Material{.name = "shown as it is", .unlit = true});
+    scene.apply(std::move(edit));
+    EXPECT_TRUE(has_light(scene));
+    SceneEdit more;
+    more.add(Material{.name = "lit"});
+    scene.apply(std::move(more));
+    EXPECT_FALSE(has_light(scene));
+}
+
 TEST(SceneSetup, the_clear_sky_can_be_asked_for) {
     LoadedScene loaded = load_scene("builtin:cornell");
     RenderOptions options;
