@@ -67,12 +67,15 @@ void SceneGpu::State::upload_materials(Frame& frame) {
         row.ior = material.ior;
         row.transmission = material.transmission;
         row.specular = material.specular;
+        row.specular_color = material.specular_color;
         row.flags = (material.alpha_mode == AlphaMode::Mask ? shared::kAlphaMask : material.alpha_mode == AlphaMode::Blend ? shared::kAlphaBlend : shared::kAlphaOpaque) |
                     (material.double_sided ? shared::kMaterialDoubleSided : 0) | (material.unlit ? shared::kMaterialUnlit : 0);
         row.base_color_texture = to_shared(material.base_color_texture, slots);
         row.metal_rough_texture = to_shared(material.metal_rough_texture, slots);
         row.normal_texture = to_shared(material.normal_texture, slots);
         row.emissive_texture = to_shared(material.emissive_texture, slots);
+        row.specular_texture = to_shared(material.specular_texture, slots);
+        row.specular_color_texture = to_shared(material.specular_color_texture, slots);
         material_rows[handle] = static_cast<uint32_t>(materials.size());
         materials.push_back(row);
     }
