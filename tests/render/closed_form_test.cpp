@@ -170,6 +170,7 @@ TEST_F(ClosedForm, a_directional_light_gives_its_lux_times_the_cosine) {
 TEST_F(ClosedForm, a_coloured_specular_surface_reflects_by_its_definition) {
     SceneEdit edit;
     Material material{.base_color = glm::vec4(kAlbedo, 1.0f), .metallic = 0.25f, .roughness = 0.7f, .ior = 3.0f, .specular = 0.8f, .specular_color = {0.5f, 1.0f, 9.0f}};
+    material.occlusion_texture = add_plain_texture(edit, {0, 0, 0, 0}, ColorSpace::Linear);
     material.specular_texture = add_plain_texture(edit, {0, 0, 0, 128}, ColorSpace::Linear);
     material.specular_color_texture = add_plain_texture(edit, {255, 188, 255, 0}, ColorSpace::Srgb);
     Primitive ground;
@@ -179,6 +180,7 @@ TEST_F(ClosedForm, a_coloured_specular_surface_reflects_by_its_definition) {
     edit.add(Light{.kind = LightKind::Directional, .intensity = 7.0f, .place = {.node_from_object = looking_down_from({}, float(tilt))}});
     Stage stage(make_scene(std::move(edit)));
     const image::ImageF picture = stage.picture(from_above(1));
+    EXPECT_EQ(stage.scene_gpu.stats().textures, 2u);  // occlusion is not drawn and stays on the host
 
     const double strength = 0.8 * 128 / 255, green = std::pow((188 / 255.0 + 0.055) / 1.055, 2.4);
     const glm::dvec3 dielectric = glm::min(0.25 * glm::dvec3(0.5, green, 9.0), glm::dvec3(1.0)) * strength;
