@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "scene/gltf_accessors.h"
+#include "scene/gltf_skins.h"
 #include "scene/median_order.h"
 #include "scene/tangents.h"
 
@@ -101,8 +102,9 @@ void read_attributes(GltfDocument& document, const JsonRef& attributes, Primitiv
 // What the file leaves out and the normal map needs. A mesh without normals stays without, where nothing asks for them: its
 // triangles are flat as they are.
 void finish_attributes(GltfDocument& document, const JsonRef& json, Primitive& primitive, uint32_t normal_uv_set) {
-    if (primitive.normals.empty()) {
-        document.files().charge(primitive.triangles.size() * 3 * 72, json.where());
+    const bool flat = primitive.normals.empty();
+    if (flat) {
+        document.files().charge(primitive.triangles.size() * 3 * (72 + deformation_bytes(primitive)), json.where());
         unshare_with_flat_normals(primitive);
     }
     if (!primitive.tangents.empty()) return;
@@ -110,8 +112,9 @@ void finish_attributes(GltfDocument& document, const JsonRef& json, Primitive& p
         document.warn(json, fmt::format("has a normal map, but no TEXCOORD_{} for it", normal_uv_set));
         return;
     }
-    document.files().charge(primitive.triangles.size() * 64, json.where());
+    document.files().charge(primitive.triangles.size() * (64 + deformation_bytes(primitive)), json.where());
     generate_tangents(primitive, normal_uv_set);
+    if (flat && deforms(primitive)) primitive.normals.clear();  // what deforms stays flat (glTF 2.0, 3.7.2.2)
 }
 
 bool read_triangles(GltfDocument& document, const JsonRef& json, Primitive& out) {
@@ -161,6 +164,8 @@ Mesh read_mesh(GltfDocument& document, const JsonRef& json, const MaterialHandle
         check_reach(*positions, primitive.positions);
         if (!read_triangles(document, primitive_json, primitive)) continue;
         read_attributes(document, attributes, primitive);
+        read_influences(document, attributes, primitive);
+        read_targets(document, primitive_json, primitive);
         const std::optional<uint32_t> material = material_of(primitive_json);
         primitive.material = materials.at(material);
         uint32_t normal_uv_set = 0;
@@ -168,6 +173,7 @@ Mesh read_mesh(GltfDocument& document, const JsonRef& json, const MaterialHandle
         if (options.median_order) order_triangles_by_median(primitive);
         mesh.primitives.push_back(std::move(primitive));
     }
+    read_target_list(document, json, mesh);
     return mesh;
 }
 
