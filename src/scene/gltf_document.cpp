@@ -11,9 +11,10 @@ namespace parhelion {
 namespace {
 
 // Extensions that change the picture as they should.
-constexpr std::array<std::string_view, 8> kDrawn = {
+constexpr std::array<std::string_view, 10> kDrawn = {
     "KHR_lights_punctual", "KHR_texture_transform",  "KHR_materials_emissive_strength", "KHR_materials_unlit",
     "KHR_materials_ior",   "KHR_materials_specular", "KHR_mesh_quantization",           "KHR_materials_transmission",
+    "EXT_texture_webp",    "KHR_texture_basisu",  // as far as image_of_texture() says
 };
 // Extensions that a scene can be shown without: what they add to the picture is missing, the rest is right.
 constexpr std::array<std::string_view, 9> kShownWithout = {
