@@ -97,6 +97,11 @@ TEST(DecodeWebp, animations_are_refused_and_limits_checked_before_decoding) {
     EXPECT_PART(error_of([] { decode_webp(make_webp(24, 17, true), {.max_bytes = 24 * 17 * 4 - 1}, "a.webp"); }), "the limit is");
 }
 
+TEST(DecodeWebp, files_that_are_cut_off_say_how_much_is_there) {
+    const Bytes whole = make_webp(24, 17, true), cut(whole.begin(), whole.begin() + 100);
+    EXPECT_PART(error_of([&] { decode_webp(cut, {}, "a.webp"); }), fmt::format("is a damaged WebP: it has 100 bytes, its header says {}", whole.size()));
+}
+
 TEST(DecodeKtx2, plain_formats_become_rgba8_with_zeros_and_opaque_alpha_for_what_they_lack) {
     struct Case {
         uint32_t format;
