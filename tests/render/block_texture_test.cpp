@@ -28,6 +28,7 @@ Scene stripes(bool plain) {
         Primitive stripe;
         const float width = 2.0f / float(std::size(kFormats));
         add_quad(stripe, {-1.0f + width * float(i), 0.0f, 1.0f}, {width, 0.0f, 0.0f}, {0.0f, 0.0f, -2.0f});
+        stripe.uv0 = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
         builtin::add_object(edit, "stripe", std::move(stripe), edit.add(std::move(material)));
     }
     return make_scene(std::move(edit));
@@ -42,8 +43,8 @@ TEST_F(BlockTextures, glow_as_the_same_texels_do_when_plain) {
     double brightest = 0;
     for (size_t c = 0; c < 3; ++c)
         for (size_t i = 0; i < found.pixel_count(); ++i) {
-            // One step of 255 through the sRGB curve, which rises by at most 2.3 there.
-            ASSERT_NEAR(found.plane(c)[i], expected.plane(c)[i], 2.4 / 255) << c << ' ' << i;
+            // Two steps of 255 (what lavapipe's BC1 to BC5 are off by) through the sRGB curve, which rises by at most 2.3.
+            ASSERT_NEAR(found.plane(c)[i], expected.plane(c)[i], 4.8 / 255) << c << ' ' << i;
             brightest = std::max(brightest, double(expected.plane(c)[i]));
         }
     EXPECT_GT(brightest, 0.8);

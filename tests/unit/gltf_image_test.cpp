@@ -51,7 +51,7 @@ json with_extension(const std::string& name, int image) { return {{"extensions",
 
 const Image& only_image(const Scene& scene) {
     EXPECT_EQ(scene.images().size(), 1u);
-    return (*scene.images().begin()).second;
+    return (*scene.images().begin()).value;
 }
 
 std::string warnings_of(const Scene& scene) {
