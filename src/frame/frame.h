@@ -118,7 +118,8 @@ public:
 
     // Transfers and builds are passes too.
     void upload(const gpu::Buffer& to, uint64_t offset, std::span<const std::byte> bytes);
-    void upload_image(const gpu::Image& to, std::span<const std::byte> texels);  // mip 0, tightly packed rows
+    // The first `mips` mips, finest first, with tightly packed rows.
+    void upload_image(const gpu::Image& to, std::span<const std::byte> texels, uint32_t mips = 1);
     void make_mips(const gpu::Image& image);
     void fill(const gpu::Buffer& buffer, uint32_t value);
     void copy(const gpu::Buffer& from, uint64_t from_offset, const gpu::Buffer& to, uint64_t to_offset, uint64_t bytes);

@@ -9,6 +9,16 @@ namespace parhelion {
 
 using gpu::Use;
 
+namespace {
+
+uint32_t mip_side(uint32_t side, uint32_t mip) { return std::max(side >> mip, 1u); }
+
+uint64_t mip_bytes(const gpu::Image& image, uint32_t mip) {
+    return gpu::format_bytes(image.desc().format, mip_side(image.extent().width, mip), mip_side(image.extent().height, mip));
+}
+
+}  // namespace
+
 void Frame::upload(const gpu::Buffer& to, uint64_t offset, std::span<const std::byte> bytes) {
     if (bytes.empty()) return;
     const gpu::Buffer staging(device_, "frame/upload", bytes.size(), gpu::MemoryKind::Upload);
@@ -32,10 +42,10 @@ void Frame::fill(const gpu::Buffer& buffer, uint32_t value) {
          .launch = [=](gpu::CommandList& commands) { commands.fill(buffer, 0, buffer.bytes(), value); }});
 }
 
-void Frame::upload_image(const gpu::Image& to, std::span<const std::byte> texels) {
-    const gpu::Extent extent = to.extent();
-    PARHELION_CHECK(texels.size() == uint64_t(extent.width) * extent.height * gpu::format_bytes(to.desc().format), "{}: {} bytes of texels do not fill it",
-                    to.name(), texels.size());
+void Frame::upload_image(const gpu::Image& to, std::span<const std::byte> texels, uint32_t mips) {
+    uint64_t bytes = 0;
+    for (uint32_t mip = 0; mip < mips; ++mip) bytes += mip_bytes(to, mip);
+    PARHELION_CHECK(mips <= to.desc().mip_count && texels.size() == bytes, "{}: {} bytes of texels do not fill {} mips", to.name(), texels.size(), mips);
     const gpu::Buffer staging(device_, "frame/upload", texels.size(), gpu::MemoryKind::Upload);
     std::memcpy(staging.mapped(), texels.data(), texels.size());
     keep(staging.data());
@@ -43,7 +53,13 @@ void Frame::upload_image(const gpu::Image& to, std::span<const std::byte> texels
     add({.info = {.name = "transfer/upload_image", .reads = {staging.name()}, .writes = {to.name()}},
          .accesses = {{staging.id(), Use::TransferRead, &staging.name()}, {to.id(), Use::TransferWrite, &to.name()}},
          .images = {to},
-         .launch = [=](gpu::CommandList& commands) { commands.copy_to_image(staging, 0, to, 0, 0, extent.height); }});
+         .launch = [=](gpu::CommandList& commands) {
+             uint64_t offset = 0;
+             for (uint32_t mip = 0; mip < mips; ++mip) {
+                 commands.copy_to_image(staging, offset, to, mip, 0, mip_side(to.extent().height, mip));
+                 offset += mip_bytes(to, mip);
+             }
+         }});
 }
 
 void Frame::make_mips(const gpu::Image& image) {
@@ -64,7 +80,7 @@ gpu::Buffer Frame::read_back(const gpu::Buffer& from) {
 
 gpu::Buffer Frame::read_back(const gpu::Image& from) {
     const gpu::Extent extent = from.extent();
-    const gpu::Buffer to(device_, "frame/readback", uint64_t(extent.width) * extent.height * gpu::format_bytes(from.desc().format), gpu::MemoryKind::Readback);
+    const gpu::Buffer to(device_, "frame/readback", gpu::format_bytes(from.desc().format, extent.width, extent.height), gpu::MemoryKind::Readback);
     keep(from.data());
     keep(to.data());
     add({.info = {.name = "transfer/read_back", .reads = {from.name()}, .writes = {to.name()}},

@@ -35,7 +35,10 @@ void CommandList::copy_to_image(const Buffer& from, uint64_t offset, const Image
     const Extent extent = mip_extent(to.desc(), mip);
     PARHELION_CHECK(mip < to.desc().mip_count && first_row <= extent.height && rows <= extent.height - first_row, "rows {} to {} of mip {} of {} ({} rows)", first_row,
                     first_row + rows, mip, to.name(), extent.height);
-    check_range(from, offset, uint64_t(extent.width) * rows * format_bytes(to.desc().format));
+    const uint32_t block = format_block(to.desc().format);
+    PARHELION_CHECK(first_row % block == 0 && (rows % block == 0 || first_row + rows == extent.height), "rows {} to {} of {} are not whole blocks", first_row,
+                    first_row + rows, to.name());
+    check_range(from, offset, format_bytes(to.desc().format, extent.width, rows));
     VkBufferImageCopy region{};
     region.bufferOffset = offset;
     region.imageSubresource = layers(mip);
@@ -46,7 +49,7 @@ void CommandList::copy_to_image(const Buffer& from, uint64_t offset, const Image
 
 void CommandList::copy_from_image(const Image& from, const Buffer& to, uint64_t offset) {
     const Extent extent = from.extent();
-    check_range(to, offset, uint64_t(extent.width) * extent.height * format_bytes(from.desc().format));
+    check_range(to, offset, format_bytes(from.desc().format, extent.width, extent.height));
     VkBufferImageCopy region{};
     region.bufferOffset = offset;
     region.imageSubresource = layers(0);

@@ -68,6 +68,7 @@ std::shared_ptr<Device> Device::borrow(const BorrowedDevice& handles) {
     use_queue_family(*impl.instance, handles.queue_family, impl.physical);
     caps.ray_pipeline = caps.ray_pipeline && handles.enabled_ray_pipeline;
     caps.ray_query = caps.ray_query && handles.enabled_ray_query;
+    caps.block_compression = caps.block_compression && handles.enabled_block_compression;
     choose_best({caps});  // throws with what is missing
     device->caps_ = caps;
     impl.device = handles.device;

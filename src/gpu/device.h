@@ -24,6 +24,7 @@ struct DeviceCaps {
     uint32_t vendor_id = 0, device_id = 0, api_version = 0;
     uint64_t memory_bytes = 0;  // largest device-local heap
     bool ray_pipeline = false, ray_query = false, shader_float64 = false;
+    bool block_compression = false;  // images of the formats BC1 to BC7
     uint32_t subgroup_size = 0;
     uint32_t shader_group_handle_size = 0, shader_group_handle_alignment = 0, shader_group_base_alignment = 0;
     uint32_t max_ray_recursion_depth = 0, scratch_alignment = 0;
@@ -51,6 +52,7 @@ struct BorrowedDevice {
     VkQueue queue = nullptr;  // graphics + compute + transfer
     uint32_t queue_family = 0;
     bool enabled_ray_pipeline = false, enabled_ray_query = false;
+    bool enabled_block_compression = false;  // the feature textureCompressionBC
     void* (*get_instance_proc_addr)(VkInstance, const char*) = nullptr;  // null: the system loader
 };
 // Names of the device extensions to enable when making a device for us to borrow; the optional ray tracing ones included

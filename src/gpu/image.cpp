@@ -11,7 +11,7 @@ namespace {
 struct FormatInfo {
     Format format;
     std::string_view name;
-    uint32_t bytes;
+    uint32_t bytes;  // a texel or block
     VkFormat vulkan;
 };
 
@@ -29,12 +29,22 @@ constexpr FormatInfo kFormats[] = {
     {Format::Rgba32Float, "rgba32f", 16, VK_FORMAT_R32G32B32A32_SFLOAT},
     {Format::R32Uint, "r32ui", 4, VK_FORMAT_R32_UINT},
     {Format::Rgba32Uint, "rgba32ui", 16, VK_FORMAT_R32G32B32A32_UINT},
+    {Format::Bc1RgbUnorm, "bc1_rgb", 8, VK_FORMAT_BC1_RGB_UNORM_BLOCK},
+    {Format::Bc1RgbSrgb, "bc1_rgb_srgb", 8, VK_FORMAT_BC1_RGB_SRGB_BLOCK},
+    {Format::Bc1Unorm, "bc1", 8, VK_FORMAT_BC1_RGBA_UNORM_BLOCK},
+    {Format::Bc1Srgb, "bc1_srgb", 8, VK_FORMAT_BC1_RGBA_SRGB_BLOCK},
+    {Format::Bc3Unorm, "bc3", 16, VK_FORMAT_BC3_UNORM_BLOCK},
+    {Format::Bc3Srgb, "bc3_srgb", 16, VK_FORMAT_BC3_SRGB_BLOCK},
+    {Format::Bc4Unorm, "bc4", 8, VK_FORMAT_BC4_UNORM_BLOCK},
+    {Format::Bc5Unorm, "bc5", 16, VK_FORMAT_BC5_UNORM_BLOCK},
+    {Format::Bc7Unorm, "bc7", 16, VK_FORMAT_BC7_UNORM_BLOCK},
+    {Format::Bc7Srgb, "bc7_srgb", 16, VK_FORMAT_BC7_SRGB_BLOCK},
 };
 
 constexpr bool in_order() {
     for (size_t i = 0; i < std::size(kFormats); ++i)
         if (static_cast<size_t>(kFormats[i].format) != i) return false;
-    return static_cast<size_t>(Format::Rgba32Uint) + 1 == std::size(kFormats);
+    return static_cast<size_t>(Format::Bc7Srgb) + 1 == std::size(kFormats);
 }
 static_assert(in_order());
 
@@ -54,6 +64,8 @@ void check_desc(const Device::Impl& device, const std::string& name, const Image
     PARHELION_CHECK(desc.format != Format::Undefined && e.width > 0 && e.height > 0 && e.depth == 1, "image {} is {}x{}x{} of format {}", name, e.width, e.height,
                     e.depth, format_name(desc.format));
     PARHELION_CHECK(desc.mip_count > 0 && desc.mip_count <= static_cast<uint32_t>(std::bit_width(std::max(e.width, e.height))), "image {} has {} mips", name, desc.mip_count);
+    if (format_block(desc.format) > 1 && !device.physical.caps.block_compression)
+        throw Error(ErrorCode::MissingFeature, fmt::format("cannot read images in blocks ({} is {})", name, format_name(desc.format)), device.name());
     const uint32_t most = device.physical.limits.maxImageDimension2D;
     if (std::max(e.width, e.height) > most)
         throw Error(ErrorCode::Failed, fmt::format("{} is {}x{}, an image of this device has at most {} texels a side", name, e.width, e.height, most), device.name());
@@ -94,7 +106,11 @@ void create_image(Device::Impl& device, Image::Data& data, VkImageUsageFlags usa
 
 }  // namespace
 
-uint32_t format_bytes(Format format) { return info(format).bytes; }
+uint32_t format_block(Format format) { return format >= Format::Bc1RgbUnorm ? 4 : 1; }
+uint64_t format_bytes(Format format, uint64_t width, uint64_t height) {
+    const uint64_t block = format_block(format);
+    return (width + block - 1) / block * ((height + block - 1) / block) * info(format).bytes;
+}
 std::string_view format_name(Format format) { return info(format).name; }
 VkFormat vk_format(Format format) { return info(format).vulkan; }
 

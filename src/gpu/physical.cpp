@@ -228,6 +228,7 @@ PhysicalDevice inspect(const Instance& instance, VkPhysicalDevice handle, uint32
     instance.vk.vkGetPhysicalDeviceFeatures2(handle, &has.core);
     pick_features(has, out.enabled, caps.missing);
     pick_ray_tracing(has, available, out);
+    caps.block_compression = has.core.features.textureCompressionBC;
     caps.shader_float64 = has.core.features.shaderFloat64;
     Properties properties(push, caps.ray_pipeline || caps.ray_query, caps.ray_pipeline);
     instance.vk.vkGetPhysicalDeviceProperties2(handle, &properties.core);

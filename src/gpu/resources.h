@@ -12,8 +12,11 @@ namespace parhelion::gpu {
 
 enum class Format : uint32_t {
     Undefined, R8Unorm, Rg8Unorm, Rgba8Unorm, Rgba8Srgb, R16Float, Rg16Float, Rgba16Float, R32Float, Rg32Float, Rgba32Float, R32Uint, Rgba32Uint,
+    // Blocks of 4 x 4 texels, sampled only; on devices with DeviceCaps::block_compression.
+    Bc1RgbUnorm, Bc1RgbSrgb, Bc1Unorm, Bc1Srgb, Bc3Unorm, Bc3Srgb, Bc4Unorm, Bc5Unorm, Bc7Unorm, Bc7Srgb,
 };
-uint32_t format_bytes(Format format);  // bytes a texel
+uint32_t format_block(Format format);  // texels along the side of a block: 4, or 1 for plain formats
+uint64_t format_bytes(Format format, uint64_t width = 1, uint64_t height = 1);  // of that many texels, whole blocks
 std::string_view format_name(Format format);
 
 struct Extent {

@@ -18,9 +18,13 @@ bool starts_with(std::span<const std::byte> bytes, std::string_view magic, size_
                       [](char expected, std::byte found) { return static_cast<std::byte>(expected) == found; });
 }
 
-[[noreturn]] void refuse_format(Format format, std::string_view where) {
-    if (format == Format::Unknown) refuse_image(where, "is no image of a known format", "PNG, JPEG, Radiance HDR and OpenEXR are read");
-    refuse_image(where, fmt::format("is a {} image, which is not supported yet", format_name(format)), "convert it to PNG or JPEG");
+Texels texels_of(Texture8&& texture) { return {.width = texture.width, .height = texture.height, .bytes = std::move(texture.rgba)}; }
+
+// The finest level, within the limits as plain texels too.
+Texture8 finest_level(const Texels& texels, const DecodeLimits& limits, std::string_view where) {
+    check_limits(texels.width, texels.height, 4, limits, where);
+    const auto level = std::span(texels.bytes).first(level_bytes(texels.format, texels.width, texels.height));
+    return {.width = texels.width, .height = texels.height, .rgba = decode_to_rgba8(texels.format, texels.width, texels.height, 1, level)};
 }
 
 }  // namespace
@@ -42,14 +46,29 @@ std::string_view format_name(Format format) {
 }
 
 Decoded decode_image(std::span<const std::byte> bytes, const DecodeLimits& limits, std::string_view where) {
-    const Format format = detect_format(bytes);
-    switch (format) {
+    switch (detect_format(bytes)) {
         case Format::Png: return decode_png(bytes, limits, where);
         case Format::Jpeg: return decode_jpeg(bytes, limits, where);
+        case Format::Webp: return decode_webp(bytes, limits, where);
+        case Format::Ktx2: return finest_level(decode_ktx2(bytes, limits, where), limits, where);
         case Format::Hdr: return decode_hdr(bytes, limits, where);
         case Format::Exr: return decode_exr(bytes, limits, where);
-        default: refuse_format(format, where);
+        case Format::Unknown: break;
     }
+    refuse_image(where, "is no image of a known format", "PNG, JPEG, WebP, KTX2, Radiance HDR and OpenEXR are read");
+}
+
+Texels decode_texels(std::span<const std::byte> bytes, const DecodeLimits& limits, std::string_view where) {
+    const Format format = detect_format(bytes);
+    switch (format) {
+        case Format::Png: return texels_of(decode_png(bytes, limits, where));
+        case Format::Jpeg: return texels_of(decode_jpeg(bytes, limits, where));
+        case Format::Webp: return texels_of(decode_webp(bytes, limits, where));
+        case Format::Ktx2: return decode_ktx2(bytes, limits, where);
+        default: break;
+    }
+    refuse_image(where, format == Format::Unknown ? "is no image of a known format" : fmt::format("is a {} image, which textures cannot be", format_name(format)),
+                 "textures are PNG, JPEG, WebP or KTX2");
 }
 
 ImageF decode_linear(std::span<const std::byte> bytes, const DecodeLimits& limits, std::string_view where) {

@@ -4,11 +4,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <variant>
 
 #include "image/image.h"
+#include "image/texels.h"
 
 namespace parhelion::image {
 
@@ -27,6 +30,13 @@ std::string_view format_name(Format format);
 Texture8 decode_png(std::span<const std::byte> bytes, const DecodeLimits& limits = {}, std::string_view where = {});
 // Baseline and progressive JPEG, grey or colour. EXIF orientation is not applied.
 Texture8 decode_jpeg(std::span<const std::byte> bytes, const DecodeLimits& limits = {}, std::string_view where = {});
+// Lossy and lossless WebP, with alpha or without; its first picture only, so that an animated one is refused.
+Texture8 decode_webp(std::span<const std::byte> bytes, const DecodeLimits& limits = {}, std::string_view where = {});
+// KTX2, two-dimensional: R8, RG8, RGB8, BGR8, RGBA8 and BGRA8 as Rgba8; BC1, BC3, BC4, BC5 and BC7 as they are; all stored levels, plain
+// or zstd. No Basis Universal, arrays, cube maps; rows must run from the top (KTXorientation rd) with straight alpha.
+Texels decode_ktx2(std::span<const std::byte> bytes, const DecodeLimits& limits = {}, std::string_view where = {});
+// What in a KTX2 of sound structure decode_ktx2 does not read ("Basis Universal texels"), from its header alone; none if it does.
+std::optional<std::string> ktx2_obstacle(std::span<const std::byte> bytes, std::string_view where = {});
 // Radiance RGBE, flat and both run-length codings, all eight orientations, to R, G, B = mantissa * 2^(exponent - 136), as other
 // renderers read it. EXPOSURE lines are kept as the attribute "EXPOSURE" and not applied.
 ImageF decode_hdr(std::span<const std::byte> bytes, const DecodeLimits& limits = {}, std::string_view where = {});
@@ -44,7 +54,11 @@ struct UintImage {
 UintImage decode_uint_exr(std::span<const std::byte> bytes, const DecodeLimits& limits = {}, std::string_view where = {});
 
 using Decoded = std::variant<Texture8, ImageF>;
+// Any supported format. Of a KTX2 the finest level, blocks decoded.
 Decoded decode_image(std::span<const std::byte> bytes, const DecodeLimits& limits = {}, std::string_view where = {});
+
+// Whatever a texture may be made of: PNG, JPEG, WebP, KTX2.
+Texels decode_texels(std::span<const std::byte> bytes, const DecodeLimits& limits = {}, std::string_view where = {});
 
 // Any supported format as linear float; eight-bit formats count as sRGB and become R, G, B.
 ImageF decode_linear(std::span<const std::byte> bytes, const DecodeLimits& limits = {}, std::string_view where = {});

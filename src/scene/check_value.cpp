@@ -1,4 +1,6 @@
 // What an edit may put into a scene: sizes that agree, indices in range, finite numbers. Renderers rely on it.
+#include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "scene/scene_refs.h"
@@ -40,9 +42,10 @@ void check_attribute(const Mesh& mesh, const Primitive& primitive, const std::ve
 }  // namespace
 
 void check_value(const Image& image) {
-    if (image.width == 0 || image.height == 0 || image.level_count == 0 || image.level_count > 32)
+    if (image.width == 0 || image.height == 0 || image.level_count == 0 ||
+        image.level_count > static_cast<uint32_t>(std::bit_width(std::max(image.width, image.height))))
         fail(image, fmt::format("is empty: {} x {} pixels, {} levels", image.width, image.height, image.level_count));
-    const uint64_t expected = image_bytes(image.format, image.width, image.height, image.level_count);
+    const uint64_t expected = image::image_bytes(image.format, image.width, image.height, image.level_count);
     if (image.texels.size() != expected)
         fail(image, fmt::format("has {} bytes, expected {} for {} x {} pixels in {} levels", image.texels.size(), expected, image.width,
                                 image.height, image.level_count));

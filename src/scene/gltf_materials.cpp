@@ -90,26 +90,23 @@ Sampler read_sampler(GltfDocument& document, const JsonRef& json) {
     return sampler;
 }
 
-// The image of a texture, none if it has only a format that is not read.
-std::optional<uint32_t> image_of(GltfDocument& document, const JsonRef& texture) {
-    const std::optional<JsonRef> source = texture.find("source");
-    if (source) return source->as_index_of("images");
-    document.warn(texture, "has no PNG or JPEG source and is left out");
-    return std::nullopt;
-}
-
 using TextureKey = std::pair<uint32_t, ColorSpace>;
 
-std::map<TextureKey, Handle<Texture>> add_textures(GltfDocument& document, SceneEdit& edit, const std::set<TextureKey>& wanted) {
+std::map<TextureKey, Handle<Texture>> add_textures(GltfDocument& document, SceneEdit& edit, const std::set<TextureKey>& wanted, bool keep_encoded) {
+    std::map<uint32_t, std::optional<uint32_t>> image_of;  // by texture
     std::set<uint32_t> image_numbers;
-    for (const auto& [index, space] : wanted)
-        if (const auto image = image_of(document, document.root().at("textures")[index])) image_numbers.insert(*image);
-    const std::map<uint32_t, Handle<Image>> images = add_images(document, edit, image_numbers);
+    for (const auto& [index, space] : wanted) {
+        const auto [entry, first] = image_of.try_emplace(index);
+        if (!first) continue;
+        entry->second = image_of_texture(document, document.root().at("textures")[index]);
+        if (entry->second) image_numbers.insert(*entry->second);
+    }
+    const std::map<uint32_t, Handle<Image>> images = add_images(document, edit, image_numbers, keep_encoded);
     std::map<TextureKey, Handle<Texture>> out;
     for (const TextureKey& key : wanted) {
-        const JsonRef json = document.root().at("textures")[key.first];
-        const std::optional<uint32_t> image = image_of(document, json);
+        const std::optional<uint32_t> image = image_of.at(key.first);
         if (!image) continue;
+        const JsonRef json = document.root().at("textures")[key.first];
         Texture texture{.name = json.string("name"), .image = images.at(*image), .color_space = key.second};
         if (const std::optional<JsonRef> sampler = json.find("sampler"))
             texture.sampler = read_sampler(document, document.entry("samplers", *sampler));
@@ -120,14 +117,15 @@ std::map<TextureKey, Handle<Texture>> add_textures(GltfDocument& document, Scene
 
 }  // namespace
 
-MaterialHandles add_materials(GltfDocument& document, SceneEdit& edit, const std::set<uint32_t>& materials, bool needs_default) {
+MaterialHandles add_materials(GltfDocument& document, SceneEdit& edit, const std::set<uint32_t>& materials, bool needs_default,
+                             bool keep_encoded) {
     std::set<TextureKey> wanted;
     const TextureLookup collect = [&](const JsonRef& index, ColorSpace space) {
         wanted.emplace(index.as_index_of("textures"), space);
         return Handle<Texture>{};
     };
     for (const uint32_t index : materials) read_material({document, collect}, document.root().at("materials")[index]);
-    const std::map<TextureKey, Handle<Texture>> textures = add_textures(document, edit, wanted);
+    const std::map<TextureKey, Handle<Texture>> textures = add_textures(document, edit, wanted, keep_encoded);
 
     const TextureLookup find = [&](const JsonRef& index, ColorSpace space) {
         const auto found = textures.find({index.as_index_of("textures"), space});

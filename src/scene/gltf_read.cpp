@@ -50,7 +50,7 @@ private:
                     materials.insert(*material);
                 else
                     needs_default = true;
-        const MaterialHandles handles = add_materials(document_, edit_, materials, needs_default);
+        const MaterialHandles handles = add_materials(document_, edit_, materials, needs_default, options_.keep_encoded);
         for (const uint32_t index : meshes) {
             Mesh mesh = read_mesh(document_, document_.root().at("meshes")[index], handles, mesh_options_);
             if (mesh.primitives.empty()) continue;

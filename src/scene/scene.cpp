@@ -5,17 +5,8 @@
 
 namespace parhelion {
 
-uint64_t level_bytes(TexelFormat format, uint32_t width, uint32_t height) {
-    if (format == TexelFormat::Rgba8) return 4ull * width * height;
-    const uint64_t blocks = (uint64_t(width) + 3) / 4 * ((uint64_t(height) + 3) / 4);
-    return blocks * (format == TexelFormat::Bc1 || format == TexelFormat::Bc4 ? 8 : 16);
-}
-
-uint64_t image_bytes(TexelFormat format, uint32_t width, uint32_t height, uint32_t level_count) {
-    uint64_t bytes = 0;
-    for (uint32_t level = 0; level < level_count; ++level)
-        bytes += level_bytes(format, std::max(1u, width >> std::min(level, 31u)), std::max(1u, height >> std::min(level, 31u)));
-    return bytes;
+std::vector<uint8_t> rgba8_texels(const Image& image) {
+    return image::decode_to_rgba8(image.format, image.width, image.height, image.level_count, image.texels);
 }
 
 std::span<const MaterialTexture> material_textures() {

@@ -14,6 +14,7 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
 
+#include "image/texels.h"
 #include "scene/handle.h"
 
 namespace parhelion {
@@ -43,8 +44,7 @@ struct Bounds {
 
 // ---- images and materials ----
 
-// How texels are stored: four bytes each, or blocks of 4 x 4 texels as the device reads them (Khronos Data Format 1.3, 18 to 20).
-enum class TexelFormat { Rgba8, Bc1, Bc3, Bc4, Bc5, Bc7 };
+using image::TexelFormat;
 
 // Rows from the top. How the numbers are to be read (sRGB or linear) is said by the Texture.
 struct Image {
@@ -57,8 +57,8 @@ struct Image {
     // The file that it was decoded from, where the loader was asked to keep it, for writing it again as it was.
     std::shared_ptr<const std::vector<std::byte>> encoded;
 };
-uint64_t level_bytes(TexelFormat format, uint32_t width, uint32_t height);  // of one level of that size
-uint64_t image_bytes(TexelFormat format, uint32_t width, uint32_t height, uint32_t level_count);
+// All levels as Rgba8, blocks decoded (image/texels.h).
+std::vector<uint8_t> rgba8_texels(const Image& image);
 
 enum class Wrap { Repeat, MirroredRepeat, ClampToEdge };
 enum class Filter { Nearest, Linear };

@@ -36,6 +36,36 @@ std::unordered_set<Handle<Texture>> drawn_textures(const Scene& scene) {
 
 uint32_t mip_count(uint32_t width, uint32_t height) { return static_cast<uint32_t>(std::floor(std::log2(std::max(width, height)))) + 1; }
 
+gpu::Format device_format(TexelFormat format, bool srgb) {
+    using gpu::Format;
+    switch (format) {
+        case TexelFormat::Bc1Rgb: return srgb ? Format::Bc1RgbSrgb : Format::Bc1RgbUnorm;
+        case TexelFormat::Bc1: return srgb ? Format::Bc1Srgb : Format::Bc1Unorm;
+        case TexelFormat::Bc3: return srgb ? Format::Bc3Srgb : Format::Bc3Unorm;
+        case TexelFormat::Bc4: return Format::Bc4Unorm;
+        case TexelFormat::Bc5: return Format::Bc5Unorm;
+        case TexelFormat::Bc7: return srgb ? Format::Bc7Srgb : Format::Bc7Unorm;
+        case TexelFormat::Rgba8: break;
+    }
+    return srgb ? Format::Rgba8Srgb : Format::Rgba8Unorm;
+}
+
+// The image with its stored levels; of a plain one with one level the others are made. Blocks stay blocks where the device reads
+// them: not those of colours in BC4 or BC5, which have no sRGB form. Channels that a format lacks are (0, 0, 1) either way.
+gpu::Image make_image(Frame& frame, const Image& source, bool srgb) {
+    const bool plain = source.format == TexelFormat::Rgba8, two_channels = source.format == TexelFormat::Bc4 || source.format == TexelFormat::Bc5;
+    const bool unpack = !plain && ((srgb && two_channels) || !frame.device()->caps().block_compression);
+    const bool make_mips = plain && source.level_count == 1;
+    const gpu::Image image(frame.device(), "textures/image",
+                           {.format = device_format(unpack ? TexelFormat::Rgba8 : source.format, srgb),
+                            .extent = {source.width, source.height},
+                            .mip_count = make_mips ? mip_count(source.width, source.height) : source.level_count});
+    const std::vector<uint8_t> unpacked = unpack ? rgba8_texels(source) : std::vector<uint8_t>();
+    frame.upload_image(image, std::as_bytes(std::span(unpack ? unpacked : source.texels)), source.level_count);
+    if (make_mips) frame.make_mips(image);
+    return image;
+}
+
 }  // namespace
 
 void SceneGpu::State::upload_materials(Frame& frame) {
@@ -50,13 +80,7 @@ void SceneGpu::State::upload_materials(Frame& frame) {
         const bool srgb = texture.color_space == ColorSpace::Srgb;
         gpu::Image& image = made[uint64_t(texture.image.index) << 1 | uint64_t(srgb)];
         if (!image) {
-            const Image& source = scene->get(texture.image);
-            image = gpu::Image(device, "textures/image",
-                               {.format = srgb ? gpu::Format::Rgba8Srgb : gpu::Format::Rgba8Unorm,
-                                .extent = {source.width, source.height},
-                                .mip_count = mip_count(source.width, source.height)});
-            frame.upload_image(image, std::as_bytes(std::span(source.texels)));
-            frame.make_mips(image);
+            image = make_image(frame, scene->get(texture.image), srgb);
             images.push_back(image);
         }
         const gpu::Sampler sampler(device, {.wrap_u = to_gpu(texture.sampler.wrap_u),
