@@ -5,15 +5,17 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "scene/gltf_meshopt.h"
 
 namespace parhelion {
 
 namespace {
 
 // Extensions that change the picture as they should.
-constexpr std::array<std::string_view, 8> kDrawn = {
+constexpr std::array<std::string_view, 12> kDrawn = {
     "KHR_lights_punctual", "KHR_texture_transform",  "KHR_materials_emissive_strength", "KHR_materials_unlit",
     "KHR_materials_ior",   "KHR_materials_specular", "KHR_mesh_quantization",           "KHR_materials_transmission",
+    "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression", "EXT_mesh_gpu_instancing",
 };
 // Extensions that a scene can be shown without: what they add to the picture is missing, the rest is right.
 constexpr std::array<std::string_view, 9> kShownWithout = {
@@ -144,13 +146,27 @@ std::span<const std::byte> GltfDocument::buffer(uint32_t index) {
     return bytes.first(length);
 }
 
-GltfDocument::View GltfDocument::view(const JsonRef& ref) {
-    const JsonRef json = entry("bufferViews", ref);
+// The part of a buffer that a buffer view, or its compression, names.
+std::span<const std::byte> GltfDocument::slice(const JsonRef& json) {
     const uint64_t offset = json.uint("byteOffset", 0, 1ull << 53), length = json.at("byteLength").as_uint(1ull << 53);
     const std::span<const std::byte> bytes = buffer(json.at("buffer").as_index_of("buffers"));
     if (offset > bytes.size() || length > bytes.size() - offset)
         json.fail(fmt::format("bytes {} to {} lie outside its buffer of {}", offset, offset + length, bytes.size()));
-    View out{bytes.subspan(offset, length)};
+    return bytes.subspan(offset, length);
+}
+
+GltfDocument::View GltfDocument::view(const JsonRef& ref) {
+    const JsonRef json = entry("bufferViews", ref);
+    View out;
+    if (const std::optional<JsonRef> compression = meshopt_compression_of(json)) {
+        const uint32_t index = ref.as_index_of("bufferViews");
+        auto found = decompressed_views_.find(index);
+        if (found == decompressed_views_.end())
+            found = decompressed_views_.emplace(index, decode_meshopt(files_, json, *compression, slice(*compression))).first;
+        out.bytes = found->second;
+    } else {
+        out.bytes = slice(json);
+    }
     if (const std::optional<JsonRef> stride = json.find("byteStride")) {
         out.stride = static_cast<uint32_t>(stride->as_uint(252));
         if (out.stride < 4) stride->fail(fmt::format("is {}, expected 4 to 252", out.stride));

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "scene/gltf_document.h"
+#include "scene/gltf_instancing.h"
 #include "scene/gltf_materials.h"
 #include "scene/gltf_meshes.h"
 #include "scene/gltf_nodes.h"
@@ -61,7 +62,7 @@ private:
             }
             check_reach(json, world.back());
             handles.push_back(edit_.add(std::move(value)));
-            add_contents(json, handles.back());
+            add_contents(json, handles.back(), world.back());
         }
     }
 
@@ -73,11 +74,11 @@ private:
                     json.fail("its place in the world is beyond all measure", "look at the scales of its parents");
     }
 
-    void add_contents(const JsonRef& json, Handle<Node> node) {
+    void add_contents(const JsonRef& json, Handle<Node> node, const glm::dmat4& world) {
         const std::string node_name = json.string("name");
         if (const auto mesh = json.find("mesh")) {
             const auto found = meshes_.find(mesh->as_index_of("meshes"));
-            if (found != meshes_.end()) edit_.add(Instance{.mesh = found->second, .place = {.node = node}});
+            if (found != meshes_.end()) add_instances(json, {.mesh = found->second, .place = {.node = node}}, world);
             if (json.find("skin")) document_.warn("skins are not evaluated: skinned meshes keep their rest pose");
         }
         if (const auto camera_ref = json.find("camera")) {
@@ -87,6 +88,23 @@ private:
             edit_.add(std::move(camera));
         }
         if (const auto extension = json.extension("KHR_lights_punctual")) add_light(extension->at("light"), node, node_name);
+    }
+
+    // One, or as many as EXT_mesh_gpu_instancing says.
+    void add_instances(const JsonRef& json, const Instance& instance, const glm::dmat4& world) {
+        const std::optional<JsonRef> instancing = json.extension("EXT_mesh_gpu_instancing");
+        if (!instancing) {
+            edit_.add(instance);
+            return;
+        }
+        const std::vector<glm::mat4> places = read_instance_places(document_, *instancing);
+        document_.files().charge(places.size() * 2 * sizeof(Instance), instancing->where());
+        for (const glm::mat4& place : places) {
+            check_reach(json, world * glm::dmat4(place));
+            Instance one = instance;
+            one.place.node_from_object = place;
+            edit_.add(std::move(one));
+        }
     }
 
     void add_light(const JsonRef& ref, Handle<Node> node, const std::string& node_name) {
