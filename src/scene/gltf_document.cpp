@@ -13,9 +13,9 @@ namespace {
 
 // Extensions that change the picture as they should.
 constexpr std::array<std::string_view, 12> kDrawn = {
-    "KHR_lights_punctual", "KHR_texture_transform",  "KHR_materials_emissive_strength", "KHR_materials_unlit",
-    "KHR_materials_ior",   "KHR_materials_specular", "KHR_mesh_quantization",           "KHR_materials_transmission",
-    "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression", "EXT_mesh_gpu_instancing",
+    "KHR_lights_punctual",        "KHR_texture_transform",   "KHR_materials_emissive_strength", "KHR_materials_unlit",
+    "KHR_materials_ior",          "KHR_materials_specular",  "KHR_mesh_quantization",           "KHR_materials_transmission",
+    "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression",         "EXT_mesh_gpu_instancing",
 };
 // Extensions that a scene can be shown without: what they add to the picture is missing, the rest is right.
 constexpr std::array<std::string_view, 9> kShownWithout = {
@@ -40,8 +40,8 @@ std::vector<std::string> string_list(const JsonRef& root, std::string_view key) 
     return out;
 }
 
-template <size_t N>
-bool contains(const std::array<std::string_view, N>& list, std::string_view name) {
+template <class List>
+bool contains(const List& list, std::string_view name) {
     return std::find(list.begin(), list.end(), name) != list.end();
 }
 
@@ -112,6 +112,8 @@ void GltfDocument::check_extensions() {
             root()
                 .at("extensionsRequired")
                 .fail(fmt::format("needs the extension {}, which is not supported", escape_name(name)), "export the scene without it");
+    for (const std::string& name : required_)
+        if (!contains(used_, name)) warn(fmt::format("the extension {} is required, but not among those used", escape_name(name)));
     std::set<std::string_view> seen;
     for (const std::string& name : used_) {
         if (contains(kDrawn, name) || !seen.insert(name).second) continue;

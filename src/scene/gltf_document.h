@@ -47,7 +47,10 @@ public:
     std::vector<std::string> take_warnings() { return std::move(warnings_); }
 
     const std::vector<std::string>& extensions_used() const { return used_; }
-    bool uses(std::string_view extension) const { return std::find(used_.begin(), used_.end(), extension) != used_.end(); }
+    bool uses(std::string_view extension) const {  // used or required
+        const auto in = [&](const std::vector<std::string>& list) { return std::find(list.begin(), list.end(), extension) != list.end(); };
+        return in(used_) || in(required_);
+    }
     const std::vector<std::string>& extensions_required() const { return required_; }
     const std::vector<std::string>& extensions_not_drawn() const { return not_drawn_; }
 

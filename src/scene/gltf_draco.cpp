@@ -15,8 +15,9 @@ namespace parhelion {
 namespace {
 
 // The attributes that primitives are read for.
-constexpr std::array<std::string_view, 14> kAttributes = {"POSITION", "NORMAL",   "TANGENT",  "TEXCOORD_0", "TEXCOORD_1", "COLOR_0",   "JOINTS_0",
-                                                          "JOINTS_1", "JOINTS_2", "JOINTS_3", "WEIGHTS_0",  "WEIGHTS_1",  "WEIGHTS_2", "WEIGHTS_3"};
+constexpr std::array<std::string_view, 14> kAttributes = {"POSITION",  "NORMAL",    "TANGENT",   "TEXCOORD_0", "TEXCOORD_1",
+                                                          "COLOR_0",   "JOINTS_0",  "JOINTS_1",  "JOINTS_2",   "JOINTS_3",
+                                                          "WEIGHTS_0", "WEIGHTS_1", "WEIGHTS_2", "WEIGHTS_3"};
 
 // What the file's accessors leave room for, and the memory at hand.
 struct Limits {
@@ -25,7 +26,8 @@ struct Limits {
 
     bool take(uint64_t amount, std::string_view what) {
         if (amount > bytes) {
-            problem = fmt::format("{} would take {} MiB more memory; the budget for this scene has {} MiB left", what, amount >> 20, bytes >> 20);
+            problem =
+                fmt::format("{} would take {} MiB more memory; the budget for this scene has {} MiB left", what, amount >> 20, bytes >> 20);
             return false;
         }
         bytes -= amount;
@@ -90,8 +92,10 @@ std::unique_ptr<draco::MeshDecoder> make_decoder(const draco::DecoderBuffer& dat
         limits.problem = "holds points, not a mesh";
         return nullptr;
     }
-    if (header.encoder_method == draco::MESH_EDGEBREAKER_ENCODING) return std::make_unique<LimitedDecoder<draco::MeshEdgebreakerDecoder>>(limits);
-    if (header.encoder_method == draco::MESH_SEQUENTIAL_ENCODING) return std::make_unique<LimitedDecoder<draco::MeshSequentialDecoder>>(limits);
+    if (header.encoder_method == draco::MESH_EDGEBREAKER_ENCODING)
+        return std::make_unique<LimitedDecoder<draco::MeshEdgebreakerDecoder>>(limits);
+    if (header.encoder_method == draco::MESH_SEQUENTIAL_ENCODING)
+        return std::make_unique<LimitedDecoder<draco::MeshSequentialDecoder>>(limits);
     return nullptr;
 }
 
@@ -111,7 +115,8 @@ std::unique_ptr<draco::Mesh> decode_mesh(const JsonRef& extension, std::span<con
     } catch (const std::exception& error) {  // bad_alloc and length_error of Draco's containers
         reason = error.what();
     }
-    if (limits.problem.empty()) limits.problem = fmt::format("its Draco data are damaged{}", reason.empty() ? "" : fmt::format(" ({})", escape_name(reason, 80)));
+    if (limits.problem.empty())
+        limits.problem = fmt::format("its Draco data are damaged{}", reason.empty() ? "" : fmt::format(" ({})", escape_name(reason, 80)));
     extension.fail(limits.problem, "the file is damaged: export it again");
 }
 
@@ -134,7 +139,8 @@ void add_accessor(GltfDocument& document, const draco::Mesh& mesh, const JsonRef
     if (attribute == nullptr) id.fail(fmt::format("the compressed data have no attribute {}", unique_id));
     const AccessorShape shape = accessor_shape(document, use);
     if (attribute->num_components() != static_cast<int>(shape.components))
-        id.fail(fmt::format("attribute {} has {} components, but its accessor has {}", unique_id, attribute->num_components(), shape.components));
+        id.fail(fmt::format("attribute {} has {} components, but its accessor has {}", unique_id, attribute->num_components(),
+                            shape.components));
     const uint32_t points = mesh.num_points();
     if (points > shape.count) use.fail(fmt::format("is for {} elements, but the compressed data have {}", shape.count, points));
     std::vector<std::byte> bytes(shape.count * shape.element_bytes());  // elements beyond the compressed ones stay zero: nothing names them
@@ -147,7 +153,8 @@ void add_accessor(GltfDocument& document, const draco::Mesh& mesh, const JsonRef
 uint64_t most_faces(GltfDocument& document, const JsonRef& primitive, uint64_t points) {
     const std::optional<JsonRef> indices = primitive.find("indices");
     const uint64_t mode = primitive.uint("mode", 4, 6), corners = indices ? accessor_shape(document, *indices).count : points;
-    if (mode != 4 && mode != 5) primitive.fail(fmt::format("is compressed, but of mode {}", mode), "only triangles (4) and strips (5) can be");
+    if (mode != 4 && mode != 5)
+        primitive.fail(fmt::format("is compressed, but of mode {}", mode), "only triangles (4) and strips (5) can be");
     return mode == 4 ? corners / 3 : corners;
 }
 

@@ -7,7 +7,7 @@
 namespace parhelion {
 
 struct DracoGeometry {
-    std::vector<glm::uvec3> triangles;             // every index is below the count of the primitive's POSITION accessor
+    std::vector<glm::uvec3> triangles;         // every index is below the count of the primitive's POSITION accessor
     GltfDocument::DecodedAccessors accessors;  // of those attributes that are in the compressed data
 };
 

@@ -60,7 +60,7 @@ void check_reach(const JsonRef& use, const std::vector<glm::vec3>& positions) {
 void read_normals(GltfDocument& document, const JsonRef& attributes, Primitive& out) {
     const std::optional<JsonRef> use = attributes.find("NORMAL");
     if (!use) return;
-    warn_of_component_type(document, *use, "NORMAL");
+    warn_of_layout(document, *use, "NORMAL");
     out.normals = read_vectors<3>(document, *use);
     require_count(*use, out.normals, out.positions.size());
     size_t zero_count = 0;
@@ -75,7 +75,7 @@ void read_normals(GltfDocument& document, const JsonRef& attributes, Primitive& 
 void read_tangents(GltfDocument& document, const JsonRef& attributes, Primitive& out) {
     const std::optional<JsonRef> use = attributes.find("TANGENT");
     if (!use || out.normals.empty()) return;  // glTF 2.0, 3.7.2.1: without normals, tangents are ignored
-    warn_of_component_type(document, *use, "TANGENT");
+    warn_of_layout(document, *use, "TANGENT");
     out.tangents = read_vectors<4>(document, *use);
     require_count(*use, out.tangents, out.positions.size());
     for (glm::vec4& t : out.tangents) {
@@ -87,7 +87,7 @@ void read_tangents(GltfDocument& document, const JsonRef& attributes, Primitive&
 void read_uvs(GltfDocument& document, const JsonRef& attributes, std::string_view name, std::vector<glm::vec2>& uvs, size_t vertex_count) {
     const std::optional<JsonRef> use = attributes.find(name);
     if (!use) return;
-    warn_of_component_type(document, *use, name);
+    warn_of_layout(document, *use, name);
     uvs = read_vectors<2>(document, *use);
     require_count(*use, uvs, vertex_count);
 }
@@ -98,7 +98,7 @@ void read_attributes(GltfDocument& document, const JsonRef& attributes, Primitiv
     read_uvs(document, attributes, "TEXCOORD_0", out.uv0, out.positions.size());
     read_uvs(document, attributes, "TEXCOORD_1", out.uv1, out.positions.size());
     if (const std::optional<JsonRef> colors = attributes.find("COLOR_0")) {
-        warn_of_component_type(document, *colors, "COLOR_0");
+        warn_of_layout(document, *colors, "COLOR_0");
         out.colors = read_colors(document, *colors);
         require_count(*colors, out.colors, out.positions.size());
     }
@@ -143,9 +143,10 @@ bool read_triangles(GltfDocument& document, const JsonRef& json, Primitive& out)
 // Positions and triangles. Compressed accessors are at hand from here to the next primitive.
 bool read_geometry(GltfDocument& document, const JsonRef& json, const JsonRef& positions, Primitive& out) {
     std::optional<DracoGeometry> compressed;
-    if (const std::optional<JsonRef> draco = json.extension("KHR_draco_mesh_compression")) compressed = decode_draco(document, json, *draco);
+    if (const std::optional<JsonRef> draco = json.extension("KHR_draco_mesh_compression"))
+        compressed = decode_draco(document, json, *draco);
     document.set_decoded(compressed ? std::move(compressed->accessors) : GltfDocument::DecodedAccessors{});
-    warn_of_component_type(document, positions, "POSITION");
+    warn_of_layout(document, positions, "POSITION");
     out.positions = read_vectors<3>(document, positions);
     check_reach(positions, out.positions);
     if (!compressed) return read_triangles(document, json, out);

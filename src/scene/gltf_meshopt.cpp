@@ -40,12 +40,15 @@ Layout read_layout(const JsonRef& view, const JsonRef& json) {
                .stride = json.at("byteStride").as_uint(256)};
     if (const std::optional<JsonRef> filter = json.find("filter")) out.filter = one_of<Filter>(*filter, kFilters);
     const auto require = [&](bool good, std::string_view rule) {
-        if (!good) json.fail(fmt::format("its byteStride of {} and count of {} do not fit its mode and filter", out.stride, out.count), std::string(rule));
+        if (!good)
+            json.fail(fmt::format("its byteStride of {} and count of {} do not fit its mode and filter", out.stride, out.count),
+                      std::string(rule));
     };
     const uint64_t s = out.stride;
     if (out.mode == Mode::Attributes) {
         require(s >= 4 && s % 4 == 0, "byteStride is 4, 8, ... 256 for ATTRIBUTES");
-        require((out.filter != Filter::Octahedral && out.filter != Filter::Color) || s == 4 || s == 8, "byteStride is 4 or 8 for this filter");
+        require((out.filter != Filter::Octahedral && out.filter != Filter::Color) || s == 4 || s == 8,
+                "byteStride is 4 or 8 for this filter");
         require(out.filter != Filter::Quaternion || s == 8, "byteStride is 8 for QUATERNION");
     } else {
         require(s == 2 || s == 4, "byteStride is 2 or 4 for indices");
@@ -115,7 +118,8 @@ std::optional<JsonRef> meshopt_compression_of(const JsonRef& view) {
     return khr ? khr : view.extension("EXT_meshopt_compression");
 }
 
-std::vector<std::byte> decode_meshopt(SceneFiles& files, const JsonRef& view, const JsonRef& compression, std::span<const std::byte> bytes) {
+std::vector<std::byte> decode_meshopt(SceneFiles& files, const JsonRef& view, const JsonRef& compression,
+                                      std::span<const std::byte> bytes) {
     const Layout layout = read_layout(view, compression);
     files.charge(layout.count * layout.stride, compression.where());
     std::vector<std::byte> out(layout.count * layout.stride);

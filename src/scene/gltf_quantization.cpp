@@ -39,10 +39,21 @@ std::string_view name_of(ComponentType type) {
     return "FLOAT";
 }
 
+// glTF 2.0, 3.6.2.4: each element of a vertex attribute starts at a multiple of four bytes of its view.
+void warn_of_alignment(GltfDocument& document, const JsonRef& use, const AccessorShape& shape) {
+    const JsonRef accessor = document.entry("accessors", use);
+    const std::optional<JsonRef> view = accessor.find("bufferView");
+    if (!view) return;
+    const uint64_t stride = document.entry("bufferViews", *view).uint("byteStride", shape.element_bytes(), 1u << 16);
+    if (stride % 4 != 0 || accessor.uint("byteOffset", 0, 1ull << 53) % 4 != 0)
+        document.warn(accessor, "its elements are not aligned to four bytes, as those of vertex attributes are");
+}
+
 }  // namespace
 
-void warn_of_component_type(GltfDocument& document, const JsonRef& use, std::string_view attribute) {
+void warn_of_layout(GltfDocument& document, const JsonRef& use, std::string_view attribute) {
     const AccessorShape shape = accessor_shape(document, use);
+    warn_of_alignment(document, use, shape);
     const Allowed rule = allowed(attribute, shape);
     if (rule == Allowed::Core || (rule == Allowed::Quantized && document.uses("KHR_mesh_quantization"))) return;
     const std::string type = fmt::format("{}{}", shape.normalized ? "normalised " : "", name_of(shape.type));

@@ -43,7 +43,8 @@ template <class F>
 int add(draco::Mesh& mesh, Type::Type type, draco::DataType data_type, bool normalized, F&& value_at) {
     const auto first = value_at(position(0));
     draco::GeometryAttribute attribute;
-    attribute.Init(type, nullptr, static_cast<uint8_t>(sizeof(first) / static_cast<size_t>(draco::DataTypeLength(data_type))), data_type, normalized, sizeof(first), 0);
+    attribute.Init(type, nullptr, static_cast<uint8_t>(sizeof(first) / static_cast<size_t>(draco::DataTypeLength(data_type))), data_type,
+                   normalized, sizeof(first), 0);
     const int id = mesh.AddAttribute(attribute, true, kPoints);
     for (uint32_t i = 0; i < kPoints; ++i) {
         const auto value = value_at(position(i));
@@ -118,7 +119,8 @@ TEST(GltfDraco, compressed_primitives_hold_what_went_in) {
         CompressedFile file;
         // In an order of their own: ids count, not places.
         file.attribute("COLOR_0", add(*mesh, Type::COLOR, draco::DT_UINT8, true, color_at), GltfMaker::kUByte, "VEC4", true);
-        file.attribute("POSITION", add(*mesh, Type::POSITION, draco::DT_FLOAT32, false, [](glm::vec3 p) { return p; }), GltfMaker::kFloat, "VEC3");
+        file.attribute("POSITION", add(*mesh, Type::POSITION, draco::DT_FLOAT32, false, [](glm::vec3 p) { return p; }), GltfMaker::kFloat,
+                       "VEC3");
         file.attribute("NORMAL", add(*mesh, Type::GENERIC, draco::DT_FLOAT32, false, normal_at), GltfMaker::kFloat, "VEC3");
         file.attribute("TEXCOORD_0", add(*mesh, Type::TEX_COORD, draco::DT_UINT16, true, uv_at), GltfMaker::kUShort, "VEC2", true);
         file.finish(encode(*mesh, method));
@@ -141,7 +143,8 @@ TEST(GltfDraco, compressed_primitives_hold_what_went_in) {
 TEST(GltfDraco, joints_and_weights_are_at_hand_as_their_accessors_say) {
     const std::unique_ptr<draco::Mesh> mesh = grid();
     CompressedFile file;
-    file.attribute("POSITION", add(*mesh, Type::POSITION, draco::DT_FLOAT32, false, [](glm::vec3 p) { return p; }), GltfMaker::kFloat, "VEC3");
+    file.attribute("POSITION", add(*mesh, Type::POSITION, draco::DT_FLOAT32, false, [](glm::vec3 p) { return p; }), GltfMaker::kFloat,
+                   "VEC3");
     file.attribute("JOINTS_0", add(*mesh, Type::GENERIC, draco::DT_UINT16, false, joints_at), GltfMaker::kUShort, "VEC4");
     file.attribute("WEIGHTS_0", add(*mesh, Type::GENERIC, draco::DT_FLOAT32, false, weights_at), GltfMaker::kFloat, "VEC4");
     file.finish(encode(*mesh, draco::MESH_EDGEBREAKER_ENCODING));
@@ -220,7 +223,8 @@ TEST(GltfDraco, data_beyond_their_accessors_are_refused_before_they_are_decoded)
     for (const int method : kMethods) {
         CompressedFile file = plain_file(method);
         json& accessors = file.maker.doc["accessors"];
-        const size_t positions = file.accessors["POSITION"].get<size_t>(), indices = file.maker.doc["meshes"][0]["primitives"][0]["indices"].get<size_t>();
+        const size_t positions = file.accessors["POSITION"].get<size_t>(),
+                     indices = file.maker.doc["meshes"][0]["primitives"][0]["indices"].get<size_t>();
         accessors[positions]["count"] = kPoints - 1;
         EXPECT_CONTAINS(file.maker.error(), "holds 25 vertices, but its accessors are for 24");
         accessors[positions]["count"] = kPoints;
@@ -252,7 +256,8 @@ TEST(GltfDraco, attributes_beyond_the_budget_are_refused_before_memory_is_taken)
     CompressedFile file = plain_file(draco::MESH_SEQUENTIAL_ENCODING);
     const std::vector<std::byte> text = to_bytes(file.maker.text());
     std::string refusals;
-    for (uint64_t budget = 0; budget < 1u << 16; budget += 256) refusals += error_of(text, {.budget_base_bytes = budget, .budget_factor = 8}) + "\n";
+    for (uint64_t budget = 0; budget < 1u << 16; budget += 256)
+        refusals += error_of(text, {.budget_base_bytes = budget, .budget_factor = 8}) + "\n";
     EXPECT_CONTAINS(refusals, "its attributes would take");
     EXPECT_CONTAINS(refusals, "its triangles would take");
 }

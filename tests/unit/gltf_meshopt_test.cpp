@@ -23,7 +23,8 @@ Bytes encode_vertices(const std::vector<T>& values, size_t stride) {
 }
 
 Bytes encode_indices(const std::vector<uint32_t>& indices, bool triangles) {
-    std::vector<unsigned char> out(triangles ? meshopt_encodeIndexBufferBound(indices.size(), 100) : meshopt_encodeIndexSequenceBound(indices.size(), 100));
+    std::vector<unsigned char> out(triangles ? meshopt_encodeIndexBufferBound(indices.size(), 100)
+                                             : meshopt_encodeIndexSequenceBound(indices.size(), 100));
     out.resize(triangles ? meshopt_encodeIndexBuffer(out.data(), out.size(), indices.data(), indices.size())
                          : meshopt_encodeIndexSequence(out.data(), out.size(), indices.data(), indices.size()));
     const auto* begin = reinterpret_cast<const std::byte*>(out.data());
@@ -40,7 +41,9 @@ struct CompressedFile {
     int view(const Bytes& data, size_t count, size_t stride, const std::string& mode, const std::string& filter = {}) {
         const int index = maker.view_bytes(data);
         json& out = maker.doc["bufferViews"][index];
-        json compression{{"buffer", 0}, {"byteOffset", out["byteOffset"]}, {"byteLength", data.size()}, {"byteStride", stride}, {"count", count}, {"mode", mode}};
+        json compression{
+            {"buffer", 0}, {"byteOffset", out["byteOffset"]}, {"byteLength", data.size()}, {"byteStride", stride}, {"count", count},
+            {"mode", mode}};
         if (!filter.empty()) compression["filter"] = filter;
         out = {{"buffer", 1}, {"byteLength", count * stride}, {"extensions", {{extension, compression}}}};
         if (mode == "ATTRIBUTES") out["byteStride"] = stride;
@@ -78,9 +81,11 @@ TEST(GltfMeshopt, attributes_and_indices_of_all_modes_come_back) {
             for (const size_t stride : {2u, 4u}) {
                 CompressedFile file(extension);
                 const int positions = file.view(encode_vertices(kSquare, 12), 4, 12, "ATTRIBUTES");
-                const int indices = file.view(encode_indices({0, 1, 2, 2, 1, 3}, triangles), 6, stride, triangles ? "TRIANGLES" : "INDICES");
-                file.maker.add_primitive({{"attributes", {{"POSITION", file.accessor(positions, GltfMaker::kFloat, "VEC3", 4)}}},
-                                          {"indices", file.accessor(indices, stride == 2 ? GltfMaker::kUShort : GltfMaker::kUInt, "SCALAR", 6)}});
+                const int indices =
+                    file.view(encode_indices({0, 1, 2, 2, 1, 3}, triangles), 6, stride, triangles ? "TRIANGLES" : "INDICES");
+                file.maker.add_primitive(
+                    {{"attributes", {{"POSITION", file.accessor(positions, GltfMaker::kFloat, "VEC3", 4)}}},
+                     {"indices", file.accessor(indices, stride == 2 ? GltfMaker::kUShort : GltfMaker::kUInt, "SCALAR", 6)}});
                 const Scene scene = file.load();
                 EXPECT_EQ(only_primitive(scene).positions[3], glm::vec3(2, 2, 1));
                 EXPECT_EQ(only_primitive(scene).triangles, (std::vector<glm::uvec3>{{0, 1, 2}, {2, 1, 3}}));
@@ -96,8 +101,10 @@ TEST(GltfMeshopt, octahedral_filter_gives_unit_normals) {
         CompressedFile file;
         file.maker.doc["extensionsUsed"].push_back("KHR_mesh_quantization");
         const int view = file.view(encode_vertices(filtered, stride), 4, stride, "ATTRIBUTES", "OCTAHEDRAL");
-        const Primitive primitive = load_with(file, "NORMAL", file.accessor(view, stride == 4 ? GltfMaker::kByte : GltfMaker::kShort, "VEC3", 4, true));
-        for (size_t i = 0; i < 4; ++i) EXPECT_LT(glm::length(primitive.normals[i] - glm::vec3(normals[i])), stride == 4 ? 0.02f : 0.001f) << i;
+        const Primitive primitive =
+            load_with(file, "NORMAL", file.accessor(view, stride == 4 ? GltfMaker::kByte : GltfMaker::kShort, "VEC3", 4, true));
+        for (size_t i = 0; i < 4; ++i)
+            EXPECT_LT(glm::length(primitive.normals[i] - glm::vec3(normals[i])), stride == 4 ? 0.02f : 0.001f) << i;
     }
 }
 
@@ -119,7 +126,8 @@ TEST(GltfMeshopt, quaternion_filter_gives_rotations_of_instances) {
     file.maker.doc["extensionsUsed"].push_back("EXT_mesh_gpu_instancing");
     const int view = file.view(encode_vertices(filtered, 8), 2, 8, "ATTRIBUTES", "QUATERNION");
     file.maker.add_triangle();
-    file.maker.doc["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"] = {{"attributes", {{"ROTATION", file.accessor(view, GltfMaker::kShort, "VEC4", 2, true)}}}};
+    file.maker.doc["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"] = {
+        {"attributes", {{"ROTATION", file.accessor(view, GltfMaker::kShort, "VEC4", 2, true)}}}};
     const Scene scene = file.load();
     ASSERT_EQ(scene.instances().size(), 2u);
     std::vector<glm::vec3> x;
@@ -217,7 +225,8 @@ TEST(GltfMeshopt, random_damage_never_does_more_than_fail) {
         CompressedFile file;
         const int positions = file.view(damaged[0], 100, 12, "ATTRIBUTES", run % 2 == 0 ? "" : "EXPONENTIAL");
         const int view = file.view(damaged[run % 3 == 2 ? 2 : 1], 300, 4, run % 3 == 2 ? "INDICES" : "TRIANGLES");
-        file.maker.add_primitive({{"attributes", {{"POSITION", file.accessor(positions, GltfMaker::kFloat, "VEC3", 100)}}}, {"indices", file.accessor(view, GltfMaker::kUInt, "SCALAR", 300)}});
+        file.maker.add_primitive({{"attributes", {{"POSITION", file.accessor(positions, GltfMaker::kFloat, "VEC3", 100)}}},
+                                  {"indices", file.accessor(view, GltfMaker::kUInt, "SCALAR", 300)}});
         const std::string error = file.error();
         refused += error.empty() ? 0 : 1;
         ASSERT_FALSE(contains(error, "internal error")) << error;
