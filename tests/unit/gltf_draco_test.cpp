@@ -205,7 +205,9 @@ TEST(GltfDraco, attributes_outside_of_the_compressed_data_are_read_as_usual) {
     std::vector<float> uvs;
     for (uint32_t i = 0; i < kPoints; ++i) uvs.insert(uvs.end(), {float(i), 0.5f});
     file.maker.doc["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_1"] = file.maker.floats(uvs, "VEC2");
-    EXPECT_EQ(only_primitive(file.maker.load()).uv1[kPoints - 1], glm::vec2(float(kPoints - 1), 0.5f));
+    const Scene scene = file.maker.load();
+    ASSERT_EQ(only_primitive(scene).uv1.size(), kPoints);
+    EXPECT_EQ(only_primitive(scene).uv1[kPoints - 1], glm::vec2(float(kPoints - 1), 0.5f));
 }
 
 TEST(GltfDraco, a_second_primitive_is_read_from_its_own_data) {
