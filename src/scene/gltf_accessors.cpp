@@ -11,32 +11,6 @@ namespace parhelion {
 
 namespace {
 
-enum class ComponentType { Byte = 5120, UnsignedByte = 5121, Short = 5122, UnsignedShort = 5123, UnsignedInt = 5125, Float = 5126 };
-
-// Calls f with a value of the C++ type.
-template <class F>
-decltype(auto) with_type(ComponentType type, F&& f) {
-    switch (type) {
-        case ComponentType::Byte:
-            return f(int8_t{});
-        case ComponentType::UnsignedByte:
-            return f(uint8_t{});
-        case ComponentType::Short:
-            return f(int16_t{});
-        case ComponentType::UnsignedShort:
-            return f(uint16_t{});
-        case ComponentType::UnsignedInt:
-            return f(uint32_t{});
-        case ComponentType::Float:
-            break;
-    }
-    return f(float{});
-}
-
-uint32_t size_of(ComponentType type) {
-    return with_type(type, [](auto value) { return static_cast<uint32_t>(sizeof(value)); });
-}
-
 ComponentType read_component_type(const JsonRef& json) {
     const uint64_t number = json.as_uint(0xFFFF);
     if (number < 5120 || number > 5126 || number == 5124)
@@ -44,12 +18,8 @@ ComponentType read_component_type(const JsonRef& json) {
     return static_cast<ComponentType>(number);
 }
 
-struct Accessor {
+struct Accessor : AccessorShape {
     JsonRef json;
-    uint64_t count;
-    ComponentType type;
-    uint32_t components;
-    bool normalized;
     const std::byte* data = nullptr;  // none: zeros
     uint64_t stride = 0;
 };
@@ -74,21 +44,37 @@ const std::byte* locate(const JsonRef& json, const GltfDocument::View& view, uin
     return view.bytes.data() + offset;
 }
 
+AccessorShape read_shape(const JsonRef& json) {
+    const AccessorShape shape{.count = json.at("count").as_uint(std::numeric_limits<uint32_t>::max()),
+                              .type = read_component_type(json.at("componentType")),
+                              .components = component_count(json.at("type")),
+                              .normalized = json.boolean("normalized", false)};
+    if (shape.normalized && (shape.type == ComponentType::Float || shape.type == ComponentType::UnsignedInt))
+        json.fail("only 8 and 16 bit integers can be normalised");
+    return shape;
+}
+
+// glTF 2.0, 3.6.2.4. Other readers may stumble; here data are copied byte by byte.
+void warn_of_alignment(GltfDocument& document, const Accessor& a, uint64_t offset, uint64_t view_offset) {
+    const uint32_t size = size_of(a.type);
+    if (offset % size != 0 || (offset + view_offset) % size != 0 || a.stride % size != 0)
+        document.warn(a.json, fmt::format("its components of {} bytes are not aligned", size));
+}
+
 Accessor open_accessor(GltfDocument& document, const JsonRef& use) {
     const JsonRef json = document.entry("accessors", use);
-    Accessor a{.json = json,
-               .count = json.at("count").as_uint(std::numeric_limits<uint32_t>::max()),
-               .type = read_component_type(json.at("componentType")),
-               .components = component_count(json.at("type")),
-               .normalized = json.boolean("normalized", false)};
-    if (a.normalized && (a.type == ComponentType::Float || a.type == ComponentType::UnsignedInt))
-        json.fail("only 8 and 16 bit integers can be normalised");
-    const uint64_t element_size = uint64_t(size_of(a.type)) * a.components;
-    if (const std::optional<JsonRef> view_ref = json.find("bufferView")) {
+    Accessor a{read_shape(json), json};
+    const uint64_t element_size = a.element_bytes();
+    if (const std::vector<std::byte>* decoded = document.decoded(use.as_index_of("accessors"))) {
+        a.data = decoded->data();
+        a.stride = element_size;
+    } else if (const std::optional<JsonRef> view_ref = json.find("bufferView")) {
         const GltfDocument::View view = document.view(*view_ref);
+        const uint64_t offset = json.uint("byteOffset", 0, 1ull << 53);
         a.stride = view.stride != 0 ? view.stride : element_size;
         if (a.stride < element_size) json.fail(fmt::format("its elements of {} bytes overlap at a stride of {}", element_size, a.stride));
-        a.data = locate(json, view, json.uint("byteOffset", 0, 1ull << 53), a.count, element_size, a.stride);
+        a.data = locate(json, view, offset, a.count, element_size, a.stride);
+        warn_of_alignment(document, a, offset, document.entry("bufferViews", *view_ref).uint("byteOffset", 0, 1ull << 53));
     }
     return a;
 }
@@ -113,7 +99,7 @@ struct Sparse {
 
 std::vector<uint32_t> read_integers(const std::byte* data, ComponentType type, uint64_t stride, uint64_t count) {
     std::vector<uint32_t> out(count);
-    with_type(type, [&](auto tag) {
+    with_component(type, [&](auto tag) {
         using T = decltype(tag);
         for (uint64_t i = 0; i < count; ++i) {
             T value;
@@ -133,7 +119,7 @@ Sparse read_sparse(GltfDocument& document, const Accessor& a, const JsonRef& jso
     const JsonRef indices = json.at("indices"), values = json.at("values");
     const ComponentType type = read_component_type(indices.at("componentType"));
     if (!unsigned_type(type)) indices.at("componentType").fail("sparse indices are unsigned integers");
-    const uint64_t element_size = uint64_t(size_of(a.type)) * a.components;
+    const uint64_t element_size = a.element_bytes();
     const GltfDocument::View index_view = document.view(indices.at("bufferView")), value_view = document.view(values.at("bufferView"));
     const std::byte* data = locate(indices, index_view, indices.uint("byteOffset", 0, 1ull << 53), count, size_of(type), size_of(type));
     Sparse sparse;
@@ -151,7 +137,7 @@ Sparse read_sparse(GltfDocument& document, const Accessor& a, const JsonRef& jso
 // All values as floats into out[count * components], which holds zeros.
 void read_floats(GltfDocument& document, const Accessor& a, float* out) {
     if (a.type == ComponentType::UnsignedInt) a.json.fail("32-bit integers can only be indices");
-    with_type(a.type, [&](auto tag) {
+    with_component(a.type, [&](auto tag) {
         using T = decltype(tag);
         if (a.data != nullptr) convert<T>(a.data, a.stride, a.count, a.components, a.normalized, out);
         if (const std::optional<JsonRef> json = a.json.find("sparse")) {
@@ -168,6 +154,8 @@ void read_floats(GltfDocument& document, const Accessor& a, float* out) {
 }
 
 }  // namespace
+
+AccessorShape accessor_shape(GltfDocument& document, const JsonRef& use) { return read_shape(document.entry("accessors", use)); }
 
 template <glm::length_t N>
 std::vector<glm::vec<N, float>> read_vectors(GltfDocument& document, const JsonRef& use) {

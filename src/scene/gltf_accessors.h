@@ -9,6 +9,42 @@
 
 namespace parhelion {
 
+enum class ComponentType { Byte = 5120, UnsignedByte = 5121, Short = 5122, UnsignedShort = 5123, UnsignedInt = 5125, Float = 5126 };
+
+// Calls f with a value of the C++ type.
+template <class F>
+decltype(auto) with_component(ComponentType type, F&& f) {
+    switch (type) {
+        case ComponentType::Byte:
+            return f(int8_t{});
+        case ComponentType::UnsignedByte:
+            return f(uint8_t{});
+        case ComponentType::Short:
+            return f(int16_t{});
+        case ComponentType::UnsignedShort:
+            return f(uint16_t{});
+        case ComponentType::UnsignedInt:
+            return f(uint32_t{});
+        case ComponentType::Float:
+            break;
+    }
+    return f(float{});
+}
+
+inline uint32_t size_of(ComponentType type) {
+    return with_component(type, [](auto value) { return static_cast<uint32_t>(sizeof(value)); });
+}
+
+// What an accessor says that it holds, read without its data. SCALAR to VEC4.
+struct AccessorShape {
+    uint64_t count;
+    ComponentType type;
+    uint32_t components;
+    bool normalized;
+    uint64_t element_bytes() const { return uint64_t(size_of(type)) * components; }
+};
+AccessorShape accessor_shape(GltfDocument& document, const JsonRef& use);
+
 // `use` is the number that names the accessor, where it is used ("meshes[0].primitives[0].attributes.POSITION"). The type must be
 // VECn (SCALAR for n = 1). Integers come as they are, or mapped to [0, 1] or [-1, 1] if normalised. Every value is finite.
 template <glm::length_t N>

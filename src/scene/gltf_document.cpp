@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "scene/gltf_extensions.h"
+#include "scene/gltf_meshopt.h"
 
 namespace parhelion {
 
@@ -26,6 +27,8 @@ std::vector<std::string> string_list(const JsonRef& root, std::string_view key) 
         for (size_t i = 0; i < list->size(); ++i) out.emplace_back((*list)[i].as_string());
     return out;
 }
+
+bool contains(const std::vector<std::string>& list, std::string_view name) { return std::find(list.begin(), list.end(), name) != list.end(); }
 
 }  // namespace
 
@@ -94,6 +97,8 @@ void GltfDocument::check_extensions() {
             root()
                 .at("extensionsRequired")
                 .fail(fmt::format("needs the extension {}, which is not supported", escape_name(name)), "export the scene without it");
+    for (const std::string& name : required_)
+        if (!contains(used_, name)) warn(fmt::format("the extension {} is required, but not among those used", escape_name(name)));
     std::set<std::string_view> seen;
     for (const std::string& name : used_) {
         const ExtensionUse use = extension_use(name);
@@ -129,13 +134,27 @@ std::span<const std::byte> GltfDocument::buffer(uint32_t index) {
     return bytes.first(length);
 }
 
-GltfDocument::View GltfDocument::view(const JsonRef& ref) {
-    const JsonRef json = entry("bufferViews", ref);
+// The part of a buffer that a buffer view, or its compression, names.
+std::span<const std::byte> GltfDocument::slice(const JsonRef& json) {
     const uint64_t offset = json.uint("byteOffset", 0, 1ull << 53), length = json.at("byteLength").as_uint(1ull << 53);
     const std::span<const std::byte> bytes = buffer(json.at("buffer").as_index_of("buffers"));
     if (offset > bytes.size() || length > bytes.size() - offset)
         json.fail(fmt::format("bytes {} to {} lie outside its buffer of {}", offset, offset + length, bytes.size()));
-    View out{bytes.subspan(offset, length)};
+    return bytes.subspan(offset, length);
+}
+
+GltfDocument::View GltfDocument::view(const JsonRef& ref) {
+    const JsonRef json = entry("bufferViews", ref);
+    View out;
+    if (const std::optional<JsonRef> compression = meshopt_compression_of(json)) {
+        const uint32_t index = ref.as_index_of("bufferViews");
+        auto found = decompressed_views_.find(index);
+        if (found == decompressed_views_.end())
+            found = decompressed_views_.emplace(index, decode_meshopt(files_, json, *compression, slice(*compression))).first;
+        out.bytes = found->second;
+    } else {
+        out.bytes = slice(json);
+    }
     if (const std::optional<JsonRef> stride = json.find("byteStride")) {
         out.stride = static_cast<uint32_t>(stride->as_uint(252));
         if (out.stride < 4) stride->fail(fmt::format("is {}, expected 4 to 252", out.stride));

@@ -4,6 +4,8 @@
 #include <numeric>
 
 #include "scene/gltf_accessors.h"
+#include "scene/gltf_draco.h"
+#include "scene/gltf_quantization.h"
 #include "scene/gltf_skins.h"
 #include "scene/gltf_variants.h"
 #include "scene/median_order.h"
@@ -60,6 +62,7 @@ void check_reach(const JsonRef& use, const std::vector<glm::vec3>& positions) {
 void read_normals(GltfDocument& document, const JsonRef& attributes, Primitive& out) {
     const std::optional<JsonRef> use = attributes.find("NORMAL");
     if (!use) return;
+    warn_of_layout(document, *use, "NORMAL");
     out.normals = read_vectors<3>(document, *use);
     require_count(*use, out.normals, out.positions.size());
     size_t zero_count = 0;
@@ -74,6 +77,7 @@ void read_normals(GltfDocument& document, const JsonRef& attributes, Primitive& 
 void read_tangents(GltfDocument& document, const JsonRef& attributes, Primitive& out) {
     const std::optional<JsonRef> use = attributes.find("TANGENT");
     if (!use || out.normals.empty()) return;  // glTF 2.0, 3.7.2.1: without normals, tangents are ignored
+    warn_of_layout(document, *use, "TANGENT");
     out.tangents = read_vectors<4>(document, *use);
     require_count(*use, out.tangents, out.positions.size());
     for (glm::vec4& t : out.tangents) {
@@ -85,6 +89,7 @@ void read_tangents(GltfDocument& document, const JsonRef& attributes, Primitive&
 void read_uvs(GltfDocument& document, const JsonRef& attributes, std::string_view name, std::vector<glm::vec2>& uvs, size_t vertex_count) {
     const std::optional<JsonRef> use = attributes.find(name);
     if (!use) return;
+    warn_of_layout(document, *use, name);
     uvs = read_vectors<2>(document, *use);
     require_count(*use, uvs, vertex_count);
 }
@@ -95,6 +100,7 @@ void read_attributes(GltfDocument& document, const JsonRef& attributes, Primitiv
     read_uvs(document, attributes, "TEXCOORD_0", out.uv0, out.positions.size());
     read_uvs(document, attributes, "TEXCOORD_1", out.uv1, out.positions.size());
     if (const std::optional<JsonRef> colors = attributes.find("COLOR_0")) {
+        warn_of_layout(document, *colors, "COLOR_0");
         out.colors = read_colors(document, *colors);
         require_count(*colors, out.colors, out.positions.size());
     }
@@ -153,6 +159,20 @@ bool read_triangles(GltfDocument& document, const JsonRef& json, Primitive& out)
     return !out.triangles.empty();
 }
 
+// Positions and triangles. Compressed accessors are at hand from here to the next primitive.
+bool read_geometry(GltfDocument& document, const JsonRef& json, const JsonRef& positions, Primitive& out) {
+    std::optional<DracoGeometry> compressed;
+    if (const std::optional<JsonRef> draco = json.extension("KHR_draco_mesh_compression"))
+        compressed = decode_draco(document, json, *draco);
+    document.set_decoded(compressed ? std::move(compressed->accessors) : GltfDocument::DecodedAccessors{});
+    warn_of_layout(document, positions, "POSITION");
+    out.positions = read_vectors<3>(document, positions);
+    check_reach(positions, out.positions);
+    if (!compressed) return read_triangles(document, json, out);
+    out.triangles = std::move(compressed->triangles);
+    return !out.triangles.empty();
+}
+
 }  // namespace
 
 std::set<std::optional<uint32_t>> materials_of(const JsonRef& mesh) {
@@ -179,9 +199,7 @@ Mesh read_mesh(GltfDocument& document, const JsonRef& json, const MaterialHandle
             continue;
         }
         Primitive primitive;
-        primitive.positions = read_vectors<3>(document, *positions);
-        check_reach(*positions, primitive.positions);
-        if (!read_triangles(document, primitive_json, primitive)) continue;
+        if (!read_geometry(document, primitive_json, *positions, primitive)) continue;
         read_attributes(document, attributes, primitive);
         read_influences(document, attributes, primitive);
         read_targets(document, primitive_json, primitive);
@@ -190,6 +208,7 @@ Mesh read_mesh(GltfDocument& document, const JsonRef& json, const MaterialHandle
         mesh.primitives.push_back(std::move(primitive));
     }
     read_target_list(document, json, mesh);
+    document.set_decoded({});
     return mesh;
 }
 

@@ -70,6 +70,17 @@ void warn_unless_unit(GltfDocument& document, const JsonRef& node, double length
     if (std::abs(length - 1.0) > 1e-3) document.warn(node, "its rotation is not a unit quaternion and was normalised");
 }
 
+// The last row, which rounding in exporters may have touched, becomes exact.
+void require_affine(const JsonRef& json, glm::mat4& m) {
+    constexpr float kRounding = 1e-5f;
+    for (int column = 0; column < 4; ++column) {
+        const float exact = column == 3 ? 1.0f : 0.0f;
+        if (std::abs(m[column][3] - exact) > kRounding)
+            json.fail("is not affine", "its last row (elements 3, 7, 11, 15) must be 0, 0, 0, 1");
+        m[column][3] = exact;
+    }
+}
+
 // A number above zero.
 float positive(const JsonRef& owner, std::string_view key, std::optional<float> fallback = std::nullopt) {
     if (fallback && !owner.find(key)) return *fallback;
@@ -128,8 +139,7 @@ Transform read_transform(GltfDocument& document, const JsonRef& node) {
         matrix->require_numbers(16);
         glm::mat4 m(1.0f);
         for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = (*matrix)[static_cast<size_t>(i)].as_float();
-        if (m[0][3] != 0.0f || m[1][3] != 0.0f || m[2][3] != 0.0f || m[3][3] != 1.0f)
-            matrix->fail("is not affine", "its last row (elements 3, 7, 11, 15) must be 0, 0, 0, 1");
+        require_affine(*matrix, m);
         if (node.find("translation") || node.find("rotation") || node.find("scale"))
             document.warn(node, "has a matrix and translation, rotation or scale; the matrix counts");
         out.matrix = m;

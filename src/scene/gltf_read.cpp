@@ -4,6 +4,7 @@
 
 #include "scene/gltf_animation.h"
 #include "scene/gltf_document.h"
+#include "scene/gltf_instancing.h"
 #include "scene/gltf_materials.h"
 #include "scene/gltf_meshes.h"
 #include "scene/gltf_nodes.h"
@@ -19,6 +20,7 @@ class GltfReader {
 public:
     GltfReader(GltfDocument& document, const GltfOptions& options, size_t variant_count, std::optional<uint32_t> variant)
         : document_(document),
+          keep_encoded_(options.keep_encoded),
           mesh_options_{.median_order = options.median_order, .variant_count = variant_count, .variant = variant} {}
 
     SceneEdit read() {
@@ -27,8 +29,8 @@ public:
         add_meshes();
         add_nodes();
         add_skins();
-        for (const GltfNode& node : nodes_)
-            if (node.drawn) add_contents(node_json(node), handles_.at(node.index));
+        for (size_t n = 0; n < nodes_.size(); ++n)
+            if (nodes_[n].drawn) add_contents(node_json(nodes_[n]), handles_.at(nodes_[n].index), worlds_[n]);
         add_animations(document_, edit_, animated_nodes());
         if (nodes_.empty()) document_.warn("the scene is empty");
         return std::move(edit_);
@@ -50,7 +52,7 @@ private:
                     materials.insert(*material);
                 else
                     needs_default = true;
-        const MaterialHandles handles = add_materials(document_, edit_, materials, needs_default, options_.keep_encoded);
+        const MaterialHandles handles = add_materials(document_, edit_, materials, needs_default, keep_encoded_);
         for (const uint32_t index : meshes) {
             Mesh mesh = read_mesh(document_, document_.root().at("meshes")[index], handles, mesh_options_);
             if (mesh.primitives.empty()) continue;
@@ -61,17 +63,16 @@ private:
 
     void add_nodes() {
         std::vector<Handle<Node>> handles;
-        std::vector<glm::dmat4> world;
         document_.files().charge(nodes_.size() * 2 * (sizeof(Node) + sizeof(Instance)), document_.root().where());
         for (const GltfNode& node : nodes_) {
             const JsonRef json = node_json(node);
             Node value{.name = json.string("name"), .local = read_transform(document_, json)};
-            world.push_back(glm::dmat4(matrix_of(value.local)));
+            worlds_.push_back(glm::dmat4(matrix_of(value.local)));
             if (node.parent != GltfNode::kNoParent) {
                 value.parent = handles[node.parent];
-                world.back() = world[node.parent] * world.back();
+                worlds_.back() = worlds_[node.parent] * worlds_.back();
             }
-            check_reach(json, world.back());
+            check_reach(json, worlds_.back());
             handles.push_back(edit_.add(std::move(value)));
             handles_[node.index] = handles.back();
         }
@@ -124,14 +125,14 @@ private:
                     json.fail("its place in the world is beyond all measure", "look at the scales of its parents");
     }
 
-    void add_contents(const JsonRef& json, Handle<Node> node) {
+    void add_contents(const JsonRef& json, Handle<Node> node, const glm::dmat4& world) {
         const std::string node_name = json.string("name");
         if (const auto mesh = json.find("mesh")) {
             const uint32_t index = mesh->as_index_of("meshes");
             if (const auto found = meshes_.find(index); found != meshes_.end()) {
                 Instance instance{.mesh = found->second, .place = {.node = node}};
                 read_deformation(json, index, instance);
-                edit_.add(std::move(instance));
+                add_instances(json, std::move(instance), world);
             }
         } else if (json.find("skin")) {
             document_.warn(json, "has a skin, but no mesh");
@@ -143,6 +144,23 @@ private:
             edit_.add(std::move(camera));
         }
         if (const auto extension = json.extension("KHR_lights_punctual")) add_light(extension->at("light"), node, node_name);
+    }
+
+    // One, or as many as EXT_mesh_gpu_instancing says.
+    void add_instances(const JsonRef& json, const Instance& instance, const glm::dmat4& world) {
+        const std::optional<JsonRef> instancing = json.extension("EXT_mesh_gpu_instancing");
+        if (!instancing) {
+            edit_.add(instance);
+            return;
+        }
+        const std::vector<glm::mat4> places = read_instance_places(document_, *instancing);
+        document_.files().charge(places.size() * (2 * sizeof(Instance) + instance.weights.size() * sizeof(float)), instancing->where());
+        for (const glm::mat4& place : places) {
+            check_reach(json, world * glm::dmat4(place));
+            Instance one = instance;
+            one.place.node_from_object = place;
+            edit_.add(std::move(one));
+        }
     }
 
     void add_light(const JsonRef& ref, Handle<Node> node, const std::string& node_name) {
@@ -158,6 +176,7 @@ private:
     }
 
     GltfDocument& document_;
+    bool keep_encoded_;
     MeshOptions mesh_options_;
     SceneEdit edit_;
     // What a mesh asks of its nodes.
@@ -165,6 +184,7 @@ private:
         uint32_t joints, targets;  // joints that its skin must have at least; 0: no skin
     };
     std::vector<GltfNode> nodes_;
+    std::vector<glm::dmat4> worlds_;  // by place in nodes_: world_from_node at rest
     // By number in the file.
     std::map<uint32_t, Handle<Node>> handles_;
     std::map<uint32_t, Handle<Mesh>> meshes_;

@@ -125,6 +125,23 @@ TEST(GltfContainer, required_extensions_that_are_unknown_are_named_and_used_ones
     EXPECT_CONTAINS(maker.error(), "test.gltf: extensionsRequired: needs the extension ACME_gizmo, which is not supported");
 }
 
+TEST(GltfContainer, an_extension_that_is_required_but_not_used_is_a_warning) {
+    GltfMaker maker = triangle();
+    maker.doc["extensionsRequired"] = {"KHR_lights_punctual"};
+    const Scene scene = maker.load();
+    ASSERT_EQ(scene.source().warnings.size(), 1u);
+    EXPECT_CONTAINS(scene.source().warnings[0], "KHR_lights_punctual is required, but not among those used");
+}
+
+// RFC 8259, 8.1 lets a reader skip the mark; names are text, and text is UTF-8.
+TEST(GltfContainer, a_byte_order_mark_is_skipped_and_text_that_is_not_unicode_is_refused) {
+    EXPECT_EQ(error_of(to_bytes("\xEF\xBB\xBF" + triangle().text())), "");
+    GltfMaker maker = triangle();
+    std::string text = maker.text();
+    text.insert(1, "\"extras\": \"\xE9\", ");
+    EXPECT_CONTAINS(error_of(to_bytes(text)), "ill-formed UTF-8");
+}
+
 TEST(GltfContainer, wrong_types_are_errors_that_name_the_place) {
     const std::pair<const char*, const char*> cases[] = {
         {R"("nodes": 3)", "nodes: is 3, expected an array"},

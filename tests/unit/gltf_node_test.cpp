@@ -58,6 +58,13 @@ TEST(GltfNodes, negative_and_zero_scales_are_told) {
     EXPECT_TRUE(flat.bounds().empty());
 }
 
+TEST(GltfNodes, roundings_in_the_last_row_of_a_matrix_do_no_harm) {
+    const Scene scene = with_node({{"matrix", {1, 0, 0, 1e-7, 0, 1, 0, 0, 0, 0, 1, -1e-7, 5, 6, 7, 0.9999999}}}).load();
+    const glm::mat4 m = *(*scene.nodes().begin()).value.local.matrix;
+    EXPECT_EQ(glm::vec4(m[0][3], m[1][3], m[2][3], m[3][3]), glm::vec4(0, 0, 0, 1));
+    EXPECT_EQ(glm::vec3(m[3]), glm::vec3(5, 6, 7));
+}
+
 TEST(GltfNodes, broken_transforms_are_refused) {
     EXPECT_CONTAINS(with_node({{"matrix", {1, 2, 3}}}).error(), "nodes[0].matrix: is array, expected an array of 16 numbers");
     EXPECT_CONTAINS(with_node({{"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 6, 7, 2}}}).error(), "nodes[0].matrix: is not affine");
