@@ -12,10 +12,11 @@ const uint kLobeTransmission = 2u;
 const uint kLobeNone = 3u;
 
 struct Bsdf {
-    vec3 diffuse;  // albedo of the Lambert lobe
-    vec3 f0;       // reflectance of the GGX lobe at normal incidence; black with f90 = 0: no such lobe
+    vec3 diffuse;            // albedo of the Lambert lobe
+    float coat_f0, coat_f90; // reflectance of the dielectric coat over it, in the channel where it is largest
+    vec3 f0;                 // reflectance of the GGX lobe at normal incidence; black with f90 = 0: no such lobe
     float f90;
-    float alpha;   // GGX width
+    float alpha;             // GGX width
 };
 
 // Value times cosine, by lobe (path-space classes).
@@ -33,12 +34,16 @@ struct BsdfSample {
 // Below this perceptual roughness the lobe is as narrow as single precision resolves.
 const float kMinAlpha = 1e-3;
 
-// ior and `specular` as KHR_materials_ior and KHR_materials_specular define them.
-Bsdf make_bsdf(vec3 base_color, float metallic, float roughness, float ior, float specular) {
+// The last three as KHR_materials_ior and KHR_materials_specular define them: the colour scales the dielectric's reflectance at
+// normal incidence, up to 1, and `specular` all of it; metal has neither. glTF 2.0, appendix B.3.
+Bsdf make_bsdf(vec3 base_color, float metallic, float roughness, float ior, float specular, vec3 specular_color) {
     const float r = (ior - 1.0) / (ior + 1.0);
+    const vec3 dielectric_f0 = min(r * r * specular_color, vec3(1.0)) * specular;
     Bsdf bsdf;
     bsdf.diffuse = base_color * (1.0 - metallic);
-    bsdf.f0 = mix(vec3(r * r * specular), base_color, metallic);
+    bsdf.coat_f0 = max_component(dielectric_f0);
+    bsdf.coat_f90 = specular;
+    bsdf.f0 = mix(dielectric_f0, base_color, metallic);
     bsdf.f90 = mix(specular, 1.0, metallic);
     bsdf.alpha = max(roughness * roughness, kMinAlpha);
     return bsdf;
@@ -54,8 +59,9 @@ float specular_share(Bsdf bsdf, float cos_o) {
 }
 
 // What the coat lets through, on the way in and on the way out: equal in both directions, and never more than it does not
-// reflect.
-vec3 coat_passes(Bsdf bsdf, float cosine) { return vec3(1.0) - fresnel_schlick(bsdf.f0, bsdf.f90, cosine); }
+// reflect. The same in all channels, so that a coloured coat does not lend the diffuse light its complement
+// (KHR_materials_specular).
+float coat_passes(Bsdf bsdf, float cosine) { return 1.0 - fresnel_schlick(vec3(bsdf.coat_f0), bsdf.coat_f90, cosine).x; }
 
 BsdfValue eval_bsdf(Bsdf bsdf, vec3 wo, vec3 wi) {
     BsdfValue value = BsdfValue(vec3(0.0), vec3(0.0));

@@ -176,7 +176,7 @@ PathRadiance trace_path(ViewData view, uvec2 pixel, uint sample_index, inout Fir
         const vec3 n = bend_normal(side * s.n_shading_ws, side * s.n_geometric_ws, -path.ray.direction_ws);
         const mat3 frame = make_frame(n);
         const vec3 wo = -path.ray.direction_ws * frame;
-        const Bsdf bsdf = make_bsdf(s.base_color, s.metallic, s.roughness, s.ior, s.specular);
+        const Bsdf bsdf = make_bsdf(s.base_color, s.metallic, s.roughness, s.ior, s.specular, s.specular_color);
         const NextEvent event = sample_next_event(path, s, bsdf, frame, wo, view.light_sampling, u_pick, u_light,
                                                   hash_ray(pixel, sample_index, view.seed, path.bounce, kRayShadow));
         if (event.exists) {

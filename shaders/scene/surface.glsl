@@ -18,6 +18,7 @@ struct Surface {
     bool front_facing;    // the ray came from the front side
     vec3 base_color;
     float metallic, roughness, ior, specular;
+    vec3 specular_color;
     vec3 emission;        // nits towards the ray's origin
     uint instance, geometry, primitive, material;  // geometry: of the mesh
     float double_area_ws; // twice the triangle's area, square metres
@@ -94,7 +95,8 @@ Surface fetch_surface(Hit hit, Ray ray) {
     s.metallic = clamp(material.metallic * metal_rough.b, 0.0, 1.0);
     s.roughness = clamp(material.roughness * metal_rough.g, 0.0, 1.0);
     s.ior = material.ior;
-    s.specular = material.specular;
+    s.specular = material.specular * fetch_texture(material.specular_texture, uv0, uv1, vec4(1.0)).a;
+    s.specular_color = material.specular_color * fetch_texture(material.specular_color_texture, uv0, uv1, vec4(1.0)).rgb;
     const bool emits = s.front_facing || (material.flags & kMaterialDoubleSided) != 0u;
     s.emission = emits ? material.emission * fetch_texture(material.emissive_texture, uv0, uv1, vec4(1.0)).rgb : vec3(0.0);
     if ((material.flags & kMaterialUnlit) != 0u) {  // shown as it is, not lit (KHR_materials_unlit); no light to sample, paths that meet it see it

@@ -70,8 +70,10 @@ struct Material {
     float ior;
     float transmission;
     float specular;  // KHR_materials_specular; 0: a pure Lambert surface
+    vec3 specular_color;
     uint flags;
     TextureRef base_color_texture, metal_rough_texture, normal_texture, emissive_texture;
+    TextureRef specular_texture, specular_color_texture;
 };
 
 // Emitter::kind

@@ -1,25 +1,14 @@
 #include "scene/gltf_document.h"
 
-#include <algorithm>
 #include <array>
 #include <cstring>
 
 #include "base/error.h"
+#include "scene/gltf_extensions.h"
 
 namespace parhelion {
 
 namespace {
-
-// Extensions that change the picture as they should.
-constexpr std::array<std::string_view, 8> kDrawn = {
-    "KHR_lights_punctual", "KHR_texture_transform",  "KHR_materials_emissive_strength", "KHR_materials_unlit",
-    "KHR_materials_ior",   "KHR_materials_specular", "KHR_mesh_quantization",           "KHR_materials_transmission",
-};
-// Extensions that a scene can be shown without: what they add to the picture is missing, the rest is right.
-constexpr std::array<std::string_view, 9> kShownWithout = {
-    "KHR_materials_volume",     "KHR_materials_clearcoat", "KHR_materials_sheen",   "KHR_materials_anisotropy", "KHR_materials_iridescence",
-    "KHR_materials_dispersion", "KHR_materials_variants",  "KHR_animation_pointer", "KHR_xmp_json_ld",
-};
 
 constexpr uint32_t kGlbMagic = 0x46546C67u, kJsonChunk = 0x4E4F534Au, kBinaryChunk = 0x004E4942u;
 
@@ -36,11 +25,6 @@ std::vector<std::string> string_list(const JsonRef& root, std::string_view key) 
     if (const std::optional<JsonRef> list = root.find_array(key))
         for (size_t i = 0; i < list->size(); ++i) out.emplace_back((*list)[i].as_string());
     return out;
-}
-
-template <size_t N>
-bool contains(const std::array<std::string_view, N>& list, std::string_view name) {
-    return std::find(list.begin(), list.end(), name) != list.end();
 }
 
 }  // namespace
@@ -106,15 +90,16 @@ void GltfDocument::check_extensions() {
     used_ = string_list(root(), "extensionsUsed");
     required_ = string_list(root(), "extensionsRequired");
     for (const std::string& name : required_)
-        if (!contains(kDrawn, name) && !contains(kShownWithout, name))
+        if (extension_use(name) == ExtensionUse::Unknown)
             root()
                 .at("extensionsRequired")
                 .fail(fmt::format("needs the extension {}, which is not supported", escape_name(name)), "export the scene without it");
     std::set<std::string_view> seen;
     for (const std::string& name : used_) {
-        if (contains(kDrawn, name) || !seen.insert(name).second) continue;
+        const ExtensionUse use = extension_use(name);
+        if (use == ExtensionUse::Read || use == ExtensionUse::Harmless || !seen.insert(name).second) continue;
         not_drawn_.push_back(name);
-        warn(fmt::format("the extension {} is not drawn", escape_name(name)));
+        if (use == ExtensionUse::Unknown) warn(fmt::format("the extension {} is unknown and ignored", escape_name(name)));
     }
 }
 

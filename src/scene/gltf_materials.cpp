@@ -1,68 +1,13 @@
 #include "scene/gltf_materials.h"
 
-#include <functional>
 #include <utility>
 
 #include "scene/gltf_images.h"
+#include "scene/gltf_material_extensions.h"
 
 namespace parhelion {
 
 namespace {
-
-// Gives the texture for a glTF texture number; the first pass over the materials only collects what is wanted.
-using TextureLookup = std::function<Handle<Texture>(const JsonRef& index, ColorSpace space)>;
-
-struct TextureInfo {
-    JsonRef json;
-    uint32_t uv_set;
-    std::optional<JsonRef> transform;
-};
-
-// A textureInfo that can be drawn, with the UV set that KHR_texture_transform may override.
-std::optional<TextureInfo> find_texture_info(const JsonRef& owner, std::string_view key, GltfDocument* warn_to) {
-    const std::optional<JsonRef> json = owner.find(key);
-    if (!json) return std::nullopt;
-    TextureInfo info{*json, 0, json->extension("KHR_texture_transform")};
-    uint64_t uv_set = json->uint("texCoord", 0, 0xFFFF);
-    if (info.transform) uv_set = info.transform->uint("texCoord", uv_set, 0xFFFF);
-    if (uv_set > 1) {
-        if (warn_to != nullptr)
-            warn_to->warn(*json, fmt::format("uses TEXCOORD_{}; only sets 0 and 1 are drawn, the texture is left out", uv_set));
-        return std::nullopt;
-    }
-    info.uv_set = static_cast<uint32_t>(uv_set);
-    return info;
-}
-
-TextureRef read_texture_ref(GltfDocument& document, const JsonRef& owner, std::string_view key, ColorSpace space,
-                            const TextureLookup& lookup) {
-    TextureRef ref;
-    const std::optional<TextureInfo> info = find_texture_info(owner, key, &document);
-    if (!info) return ref;
-    ref.texture = lookup(info->json.at("index"), space);
-    ref.uv_set = info->uv_set;
-    if (info->transform) {
-        ref.offset = info->transform->vec<2>("offset", glm::vec2(0.0f));
-        ref.scale = info->transform->vec<2>("scale", glm::vec2(1.0f));
-        ref.rotation = info->transform->number("rotation", 0.0f);
-    }
-    return ref;
-}
-
-// A number that glTF bounds: outside values are pulled in, with a warning.
-float bounded(GltfDocument& document, const JsonRef& owner, std::string_view key, float fallback, float min, float max) {
-    const float value = owner.number(key, fallback);
-    if (value >= min && value <= max) return value;
-    document.warn(owner, fmt::format("{} {} is outside {} to {} and was clamped", key, value, min, max));
-    return glm::clamp(value, min, max);
-}
-
-template <glm::length_t N>
-glm::vec<N, float> bounded_vec(GltfDocument& document, const JsonRef& owner, std::string_view key, glm::vec<N, float> fallback, float max) {
-    const glm::vec<N, float> value = owner.vec<N>(key, fallback), inside = glm::clamp(value, 0.0f, max);
-    if (value != inside) document.warn(owner, fmt::format("{} has a value outside 0 to {}, which was clamped", key, max));
-    return inside;
-}
 
 AlphaMode read_alpha_mode(GltfDocument& document, const JsonRef& json) {
     const std::string mode = json.string("alphaMode", "OPAQUE");
@@ -72,43 +17,29 @@ AlphaMode read_alpha_mode(GltfDocument& document, const JsonRef& json) {
     return AlphaMode::Opaque;
 }
 
-void read_extensions(GltfDocument& document, const JsonRef& json, Material& material) {
-    constexpr float kMost = 3.4e38f;
-    if (const auto strength = json.extension("KHR_materials_emissive_strength"))
-        material.emission *= bounded(document, *strength, "emissiveStrength", 1.0f, 0.0f, 1e30f);
-    material.unlit = json.extension("KHR_materials_unlit").has_value();
-    if (const auto ior = json.extension("KHR_materials_ior")) {
-        material.ior = ior->number("ior", 1.5f);
-        // 0 is allowed and means a surface that reflects everything.
-        if (material.ior != 0.0f) material.ior = bounded(document, *ior, "ior", 1.5f, 1.0f, kMost);
-    }
-    if (const auto specular = json.extension("KHR_materials_specular")) {
-        material.specular = bounded(document, *specular, "specularFactor", 1.0f, 0.0f, 1.0f);
-        if (specular->find("specularTexture") || specular->find("specularColorTexture") || specular->find("specularColorFactor"))
-            document.warn(*specular, "colours and textures of KHR_materials_specular are not drawn");
-    }
-    if (const auto transmission = json.extension("KHR_materials_transmission"))
-        material.transmission = bounded(document, *transmission, "transmissionFactor", 0.0f, 0.0f, 1.0f);
-}
-
-Material read_material(GltfDocument& document, const JsonRef& json, const TextureLookup& lookup) {
+Material read_material(const MaterialFields& fields, const JsonRef& json) {
     Material material;
     material.name = json.string("name");
-    if (const std::optional<JsonRef> pbr = json.find("pbrMetallicRoughness")) {
-        material.base_color = bounded_vec<4>(document, *pbr, "baseColorFactor", glm::vec4(1.0f), 1.0f);
-        material.base_color_texture = read_texture_ref(document, *pbr, "baseColorTexture", ColorSpace::Srgb, lookup);
-        material.metallic = bounded(document, *pbr, "metallicFactor", 1.0f, 0.0f, 1.0f);
-        material.roughness = bounded(document, *pbr, "roughnessFactor", 1.0f, 0.0f, 1.0f);
-        material.metal_rough_texture = read_texture_ref(document, *pbr, "metallicRoughnessTexture", ColorSpace::Linear, lookup);
+    // With specular-glossiness it is a fallback for who does not read that.
+    const bool is_fallback = json.extension("KHR_materials_pbrSpecularGlossiness").has_value();
+    if (const std::optional<JsonRef> pbr = json.find("pbrMetallicRoughness"); pbr && !is_fallback) {
+        material.base_color = fields.color<4>(*pbr, "baseColorFactor", 1.0f, 1.0f);
+        material.base_color_texture = fields.texture(*pbr, "baseColorTexture", ColorSpace::Srgb);
+        material.metallic = fields.number(*pbr, "metallicFactor", 1.0f, 0.0f, 1.0f);
+        material.roughness = fields.number(*pbr, "roughnessFactor", 1.0f, 0.0f, 1.0f);
+        material.metal_rough_texture = fields.texture(*pbr, "metallicRoughnessTexture", ColorSpace::Linear);
     }
-    material.normal_texture = read_texture_ref(document, json, "normalTexture", ColorSpace::Linear, lookup);
+    material.normal_texture = fields.texture(json, "normalTexture", ColorSpace::Linear);
     if (const std::optional<JsonRef> normal = json.find("normalTexture")) material.normal_scale = normal->number("scale", 1.0f);
-    material.emission = bounded_vec<3>(document, json, "emissiveFactor", glm::vec3(0.0f), 1e30f);
-    material.emissive_texture = read_texture_ref(document, json, "emissiveTexture", ColorSpace::Srgb, lookup);
-    material.alpha_mode = read_alpha_mode(document, json);
-    material.alpha_cutoff = bounded(document, json, "alphaCutoff", 0.5f, 0.0f, 3.4e38f);
+    material.occlusion_texture = fields.texture(json, "occlusionTexture", ColorSpace::Linear);
+    if (const std::optional<JsonRef> occlusion = json.find("occlusionTexture"))
+        material.occlusion_strength = fields.number(*occlusion, "strength", 1.0f, 0.0f, 1.0f);
+    material.emission = fields.color<3>(json, "emissiveFactor", 0.0f, 1e30f);
+    material.emissive_texture = fields.texture(json, "emissiveTexture", ColorSpace::Srgb);
+    material.alpha_mode = read_alpha_mode(fields.document, json);
+    material.alpha_cutoff = fields.number(json, "alphaCutoff", 0.5f, 0.0f, MaterialFields::kMost);
     material.double_sided = json.boolean("doubleSided", false);
-    read_extensions(document, json, material);
+    read_material_extensions(fields, json, material);
     return material;
 }
 
@@ -195,7 +126,7 @@ MaterialHandles add_materials(GltfDocument& document, SceneEdit& edit, const std
         wanted.emplace(index.as_index_of("textures"), space);
         return Handle<Texture>{};
     };
-    for (const uint32_t index : materials) read_material(document, document.root().at("materials")[index], collect);
+    for (const uint32_t index : materials) read_material({document, collect}, document.root().at("materials")[index]);
     const std::map<TextureKey, Handle<Texture>> textures = add_textures(document, edit, wanted);
 
     const TextureLookup find = [&](const JsonRef& index, ColorSpace space) {
@@ -203,7 +134,7 @@ MaterialHandles add_materials(GltfDocument& document, SceneEdit& edit, const std
         return found == textures.end() ? Handle<Texture>{} : found->second;
     };
     MaterialHandles out;
-    for (const uint32_t index : materials) out[index] = edit.add(read_material(document, document.root().at("materials")[index], find));
+    for (const uint32_t index : materials) out[index] = edit.add(read_material({document, find}, document.root().at("materials")[index]));
     if (needs_default) out[std::nullopt] = edit.add(Material{.name = "default"});
     return out;
 }

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "scene/gltf_accessors.h"
+#include "scene/gltf_variants.h"
 #include "scene/median_order.h"
 #include "scene/tangents.h"
 
@@ -116,6 +117,21 @@ void finish_attributes(GltfDocument& document, const JsonRef& json, Primitive& p
     generate_tangents(primitive, normal_uv_set);
 }
 
+// Its materials, and what the normal map of any of them needs (the one that is shown is asked first).
+void dress(GltfDocument& document, const JsonRef& json, const MaterialHandles& materials, const MeshOptions& options, Primitive& primitive) {
+    std::optional<uint32_t> shown = material_of(json);
+    const std::vector<std::optional<uint32_t>> by_variant = materials_by_variant(document, json, options.variant_count);
+    for (const std::optional<uint32_t>& material : by_variant)
+        primitive.variant_materials.push_back(material ? materials.at(material) : Handle<Material>{});
+    if (options.variant && !by_variant.empty() && by_variant[*options.variant]) shown = by_variant[*options.variant];
+    primitive.material = materials.at(shown);
+
+    uint32_t normal_uv_set = 0;
+    bool normal_mapped = has_normal_map(document, shown, normal_uv_set);
+    for (const uint32_t material : mapped_materials(json)) normal_mapped = normal_mapped || has_normal_map(document, material, normal_uv_set);
+    if (normal_mapped) finish_attributes(document, json, primitive, normal_uv_set);
+}
+
 bool read_triangles(GltfDocument& document, const JsonRef& json, Primitive& out) {
     const uint64_t number = json.uint("mode", 4, 6);
     const Mode mode = static_cast<Mode>(number);
@@ -141,7 +157,10 @@ bool read_triangles(GltfDocument& document, const JsonRef& json, Primitive& out)
 std::set<std::optional<uint32_t>> materials_of(const JsonRef& mesh) {
     std::set<std::optional<uint32_t>> out;
     const JsonRef primitives = mesh.at("primitives");
-    for (size_t i = 0; i < primitives.size(); ++i) out.insert(material_of(primitives[i]));
+    for (size_t i = 0; i < primitives.size(); ++i) {
+        out.insert(material_of(primitives[i]));
+        for (const uint32_t material : mapped_materials(primitives[i])) out.insert(material);
+    }
     return out;
 }
 
@@ -163,10 +182,7 @@ Mesh read_mesh(GltfDocument& document, const JsonRef& json, const MaterialHandle
         check_reach(*positions, primitive.positions);
         if (!read_triangles(document, primitive_json, primitive)) continue;
         read_attributes(document, attributes, primitive);
-        const std::optional<uint32_t> material = material_of(primitive_json);
-        primitive.material = materials.at(material);
-        uint32_t normal_uv_set = 0;
-        if (has_normal_map(document, material, normal_uv_set)) finish_attributes(document, primitive_json, primitive, normal_uv_set);
+        dress(document, primitive_json, materials, options, primitive);
         if (options.median_order) order_triangles_by_median(primitive);
         mesh.primitives.push_back(std::move(primitive));
     }

@@ -6,6 +6,7 @@
 #include "scene/gltf_materials.h"
 #include "scene/gltf_meshes.h"
 #include "scene/gltf_nodes.h"
+#include "scene/gltf_variants.h"
 
 namespace parhelion {
 
@@ -14,7 +15,9 @@ namespace {
 // One run of the reader: everything is read in the order in which an edit can take it.
 class GltfReader {
 public:
-    GltfReader(GltfDocument& document, const GltfOptions& options) : document_(document), options_(options) {}
+    GltfReader(GltfDocument& document, const GltfOptions& options, size_t variant_count, std::optional<uint32_t> variant)
+        : document_(document),
+          mesh_options_{.median_order = options.median_order, .variant_count = variant_count, .variant = variant} {}
 
     SceneEdit read() {
         nodes_ = collect_nodes(document_);
@@ -42,7 +45,7 @@ private:
                     needs_default = true;
         const MaterialHandles handles = add_materials(document_, edit_, materials, needs_default);
         for (const uint32_t index : meshes) {
-            Mesh mesh = read_mesh(document_, document_.root().at("meshes")[index], handles, {.median_order = options_.median_order});
+            Mesh mesh = read_mesh(document_, document_.root().at("meshes")[index], handles, mesh_options_);
             if (!mesh.primitives.empty()) meshes_[index] = edit_.add(std::move(mesh));
         }
     }
@@ -102,7 +105,7 @@ private:
     }
 
     GltfDocument& document_;
-    GltfOptions options_;
+    MeshOptions mesh_options_;
     SceneEdit edit_;
     std::vector<GltfNode> nodes_;
     std::map<uint32_t, Handle<Mesh>> meshes_;
@@ -112,7 +115,8 @@ private:
 
 SceneEdit read_gltf(SceneFiles& files, std::span<const std::byte> file, const std::string& name, const GltfOptions& options) {
     GltfDocument document(files, file, name);
-    GltfReader reader(document, options);
+    const std::vector<std::string> variants = variant_names(document);
+    GltfReader reader(document, options, variants.size(), find_variant(variants, options.variant, name));
     SceneEdit edit = reader.read();
 
     const JsonRef root = document.root();
@@ -123,6 +127,7 @@ SceneEdit read_gltf(SceneFiles& files, std::span<const std::byte> file, const st
                        .extensions_required = document.extensions_required(),
                        .extensions_not_drawn = document.extensions_not_drawn()};
     source.warnings = document.take_warnings();
+    source.variants = variants;
     source.file_bytes = files.bytes_read();
     edit.set_source(std::move(source));
     return edit;

@@ -1,5 +1,7 @@
 #include "scene/info.h"
 
+#include <unordered_set>
+
 namespace parhelion {
 
 namespace {
@@ -29,6 +31,48 @@ void describe_geometry(const Scene& scene, SceneInfo& info) {
             info.emissive_triangles += primitive.triangles.size();
         }
     }
+}
+
+// Features of materials beyond the BSDF of shaders/lib/bsdf.glsl, and whether a material has them: not by what it names, but by
+// what would be seen. Volume and dispersion show only where light passes through a body with thickness.
+struct Feature {
+    std::string_view name;
+    bool (*used)(const Material& material);
+};
+constexpr Feature kNotDrawn[] = {
+    {"transmission", [](const Material& m) { return m.transmission > 0.0f; }},
+    {"volume", [](const Material& m) { return m.transmission > 0.0f && m.thickness > 0.0f; }},
+    {"dispersion", [](const Material& m) { return m.transmission > 0.0f && m.thickness > 0.0f && m.dispersion > 0.0f; }},
+    {"clearcoat", [](const Material& m) { return m.clearcoat > 0.0f; }},
+    {"sheen", [](const Material& m) { return m.sheen_color != glm::vec3(0.0f); }},
+    {"anisotropy", [](const Material& m) { return m.anisotropy > 0.0f; }},
+    {"iridescence", [](const Material& m) { return m.iridescence > 0.0f; }},
+};
+
+std::vector<NotDrawnRow> describe_not_drawn(const Scene& scene) {
+    std::unordered_set<Handle<Material>> seen;
+    for (const auto& [handle, instance] : scene.instances())
+        for (const Primitive& primitive : scene.get(instance.drawn_mesh()).primitives) seen.insert(primitive.material);
+    std::vector<NotDrawnRow> rows;
+    for (const Feature& feature : kNotDrawn) {
+        size_t materials = 0;
+        for (const Handle<Material> handle : seen) {
+            const Material& material = scene.get(handle);
+            materials += !material.unlit && feature.used(material) ? 1 : 0;
+        }
+        if (materials != 0) rows.push_back({feature.name, materials});
+    }
+    return rows;
+}
+
+// One line of what the picture lacks: features of materials, then extensions that are not read at all.
+std::string not_drawn_text(const SceneInfo& info) {
+    std::string out;
+    const auto add = [&](const std::string& text) { out += (out.empty() ? "" : ", ") + text; };
+    for (const NotDrawnRow& row : info.not_drawn)
+        add(fmt::format("{} ({} material{})", row.feature, row.materials, row.materials == 1 ? "" : "s"));
+    for (const std::string& name : info.extensions_not_drawn) add(escape_name(name));
+    return out;
 }
 
 std::string_view light_kind_name(LightKind kind) {
@@ -68,6 +112,8 @@ SceneInfo describe(const LoadedScene& loaded) {
     info.skins = static_cast<uint32_t>(scene.skins().size());
     for (const auto& [handle, mesh] : scene.meshes())
         if (!mesh.primitives.empty() && !mesh.primitives[0].targets.empty()) ++info.morphed_meshes;
+    info.variants = source.variants;
+    info.not_drawn = describe_not_drawn(scene);
     info.extensions_used = source.extensions_used;
     info.extensions_not_drawn = source.extensions_not_drawn;
     info.warnings = source.warnings;
@@ -94,6 +140,7 @@ std::string format_info(const SceneInfo& info) {
         line("", fmt::format("{} '{}' ({:g}, {:g}, {:g}) {}", light_kind_name(l.kind), escape_name(l.name), l.intensity.x, l.intensity.y,
                              l.intensity.z, l.kind == LightKind::Directional ? "lux" : "candela"));
     line("cameras", list(info.cameras));
+    if (!info.variants.empty()) line("variants", list(info.variants));
     if (!info.scripted_edits.empty()) line("animate", list(info.scripted_edits));
     if (info.animations + info.skins + info.morphed_meshes != 0)
         line("animation", fmt::format("{} animations, {} skins, {} morphed meshes", info.animations, info.skins, info.morphed_meshes));
@@ -103,7 +150,7 @@ std::string format_info(const SceneInfo& info) {
     line("memory", fmt::format("{:.1f} MiB geometry, {:.1f} MiB images; files {:.1f} MiB", mebibytes(info.geometry_bytes),
                                mebibytes(info.image_bytes), mebibytes(info.file_bytes)));
     if (!info.extensions_used.empty()) line("extensions", list(info.extensions_used));
-    if (!info.extensions_not_drawn.empty()) line("not drawn", list(info.extensions_not_drawn));
+    if (const std::string text = not_drawn_text(info); !text.empty()) line("not drawn", text);
     for (const std::string& warning : info.warnings) line("warning", escape_name(warning, 400));
     return out;
 }

@@ -19,6 +19,12 @@ struct LightInfoRow {
     glm::vec3 intensity{0.0f};  // colour x intensity: candela or lux
 };
 
+// Something that the scene says of its surfaces and the picture lacks.
+struct NotDrawnRow {
+    std::string_view feature;
+    size_t materials = 0;  // that use it, of those that can be seen
+};
+
 struct SceneInfo {
     std::string name, generator, copyright;
     size_t nodes = 0, meshes = 0, primitives = 0, instances = 0, materials = 0, images = 0;
@@ -32,6 +38,8 @@ struct SceneInfo {
     std::vector<std::string> cameras;         // names, in the order of their indices
     std::vector<std::string> scripted_edits;  // "name: what it does"
     uint32_t animations = 0, skins = 0, morphed_meshes = 0;
+    std::vector<std::string> variants;  // names of the material variants
+    std::vector<NotDrawnRow> not_drawn;
     std::vector<std::string> extensions_used, extensions_not_drawn, warnings;
     Bounds bounds;                                                 // world
     uint64_t geometry_bytes = 0, image_bytes = 0, file_bytes = 0;  // in memory on the host; of the files

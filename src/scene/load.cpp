@@ -7,6 +7,7 @@
 #include "base/log.h"
 #include "image/decode.h"
 #include "scene/gltf_read.h"
+#include "scene/gltf_variants.h"
 
 namespace parhelion {
 
@@ -21,7 +22,10 @@ std::string file_hint(const std::filesystem::path& path) {
 }  // namespace
 
 LoadedScene load_scene(const std::string& name, const LoadOptions& options) {
-    if (is_builtin(name)) return make_builtin(name, options.builtin);
+    if (is_builtin(name)) {
+        find_variant({}, options.variant, name);
+        return make_builtin(name, options.builtin);
+    }
     const std::filesystem::path path(name);
     const std::string shown = escape_name(name);
     std::error_code ec;

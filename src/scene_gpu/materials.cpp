@@ -1,5 +1,6 @@
 // Images, textures and materials on the device.
 #include <cmath>
+#include <unordered_set>
 
 #include "base/error.h"
 #include "scene_gpu/state.h"
@@ -22,6 +23,17 @@ shared::TextureRef to_shared(const TextureRef& ref, const std::unordered_map<Han
     return out;
 }
 
+// The textures that shaders read. The others (occlusion, layers that are not drawn) stay on the host.
+constexpr TextureRef Material::*kDrawnTextures[] = {&Material::base_color_texture, &Material::metal_rough_texture, &Material::normal_texture,
+                                                    &Material::emissive_texture,   &Material::specular_texture,    &Material::specular_color_texture};
+
+std::unordered_set<Handle<Texture>> drawn_textures(const Scene& scene) {
+    std::unordered_set<Handle<Texture>> out;
+    for (const auto& [handle, material] : scene.materials())
+        for (const auto ref : kDrawnTextures) out.insert((material.*ref).texture);
+    return out;
+}
+
 uint32_t mip_count(uint32_t width, uint32_t height) { return static_cast<uint32_t>(std::floor(std::log2(std::max(width, height)))) + 1; }
 
 }  // namespace
@@ -32,7 +44,9 @@ void SceneGpu::State::upload_materials(Frame& frame) {
     // One device image per (image, colour space); one slot per texture.
     std::unordered_map<uint64_t, gpu::Image> made;
     std::unordered_map<Handle<Texture>, uint32_t> slots;
+    const std::unordered_set<Handle<Texture>> drawn = drawn_textures(*scene);
     for (const auto& [handle, texture] : scene->textures()) {
+        if (!drawn.contains(handle)) continue;
         const bool srgb = texture.color_space == ColorSpace::Srgb;
         gpu::Image& image = made[uint64_t(texture.image.index) << 1 | uint64_t(srgb)];
         if (!image) {
@@ -67,12 +81,15 @@ void SceneGpu::State::upload_materials(Frame& frame) {
         row.ior = material.ior;
         row.transmission = material.transmission;
         row.specular = material.specular;
+        row.specular_color = material.specular_color;
         row.flags = (material.alpha_mode == AlphaMode::Mask ? shared::kAlphaMask : material.alpha_mode == AlphaMode::Blend ? shared::kAlphaBlend : shared::kAlphaOpaque) |
                     (material.double_sided ? shared::kMaterialDoubleSided : 0) | (material.unlit ? shared::kMaterialUnlit : 0);
         row.base_color_texture = to_shared(material.base_color_texture, slots);
         row.metal_rough_texture = to_shared(material.metal_rough_texture, slots);
         row.normal_texture = to_shared(material.normal_texture, slots);
         row.emissive_texture = to_shared(material.emissive_texture, slots);
+        row.specular_texture = to_shared(material.specular_texture, slots);
+        row.specular_color_texture = to_shared(material.specular_color_texture, slots);
         material_rows[handle] = static_cast<uint32_t>(materials.size());
         materials.push_back(row);
     }

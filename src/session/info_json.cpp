@@ -19,6 +19,12 @@ Json textures_json(const SceneInfo& info) {
     return list;
 }
 
+Json not_drawn_json(const SceneInfo& info) {
+    Json list = Json::array();
+    for (const NotDrawnRow& row : info.not_drawn) list.push_back({{"feature", row.feature}, {"materials", row.materials}});
+    return list;
+}
+
 Json lights_json(const SceneInfo& info) {
     Json list = Json::array();
     for (const LightInfoRow& row : info.lights) {
@@ -56,6 +62,8 @@ Json info_json(const SceneInfo& info) {
             {"skins", info.skins},
             {"morphed_meshes", info.morphed_meshes},
             {"extensions_used", info.extensions_used},
+            {"variants", info.variants},
+            {"not_drawn", not_drawn_json(info)},
             {"extensions_not_drawn", info.extensions_not_drawn},
             {"memory", {{"geometry", info.geometry_bytes}, {"images", info.image_bytes}, {"files", info.file_bytes}}},
             {"warnings", info.warnings}};

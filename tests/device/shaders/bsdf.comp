@@ -20,14 +20,14 @@ layout(push_constant, scalar) uniform Push {
     Inputs inputs;
     Results results;
     uint kind, count;
-    vec3 wo, base_color;
-    float metallic, roughness, specular;
+    vec3 wo, base_color, specular_color;
+    float metallic, roughness, ior, specular;
 } push;
 
 void main() {
     const uint i = gl_GlobalInvocationID.x;
     if (i >= push.count) return;
-    const Bsdf bsdf = make_bsdf(push.base_color, push.metallic, push.roughness, 1.5, push.specular);
+    const Bsdf bsdf = make_bsdf(push.base_color, push.metallic, push.roughness, push.ior, push.specular, push.specular_color);
     const vec3 given = push.inputs.v[i];
     BsdfSample s = BsdfSample(given, vec3(0.0), 0.0, kLobeNone);
     if (push.kind == 0u) s = sample_bsdf(bsdf, push.wo, given.x, given.yz);

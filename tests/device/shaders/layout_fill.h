@@ -52,8 +52,8 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Geometry) v) {
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(VertexAttributes) v) { F(normal) F(tangent) F(uv0) F(uv1) F(color) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(TextureRef) v) { F(texture) F(uv_set) F(row0) F(row1) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Material) v) {
-    F(base_color) F(emission) F(metallic) F(roughness) F(normal_scale) F(alpha_cutoff) F(ior) F(transmission) F(specular) F(flags)
-    F(base_color_texture) F(metal_rough_texture) F(normal_texture) F(emissive_texture)
+    F(base_color) F(emission) F(metallic) F(roughness) F(normal_scale) F(alpha_cutoff) F(ior) F(transmission) F(specular) F(specular_color) F(flags)
+    F(base_color_texture) F(metal_rough_texture) F(normal_texture) F(emissive_texture) F(specular_texture) F(specular_color_texture)
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Emitter) v) {
     F(kind) F(instance) F(geometry) F(triangle_count) F(triangle_table) F(position_ws) F(direction_ws) F(intensity) F(cos_inner) F(cos_outer) F(angle)
