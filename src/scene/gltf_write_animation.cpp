@@ -42,7 +42,10 @@ Json write_sampler(Writer& writer, const AnimationChannel& channel) {
 }  // namespace
 
 void write_skins(Writer& writer) {
-    for (const auto& [handle, skin] : writer.scene.skins()) {
+    for (const auto& [handle, skin] : writer.scene.skins())  // those of no node come last
+        if (writer.skins.of(handle) == kNotWritten) writer.skin_order.push_back(handle);
+    for (const Handle<Skin> handle : writer.skin_order) {
+        const Skin& skin = writer.scene.get(handle);
         Json json = named(skin.name);
         json["inverseBindMatrices"] = writer.buffer.add_accessor(vectors(skin.inverse_bind, "MAT4", Target::None));
         for (const Handle<Node> joint : skin.joints) json["joints"].push_back(writer.nodes.of(joint));

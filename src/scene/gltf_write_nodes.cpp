@@ -153,11 +153,12 @@ private:
         return json;
     }
 
-    // Skins are written after the nodes, in the order of the scene.
+    // Skins are written after the nodes, whose numbers they need, in the order in which nodes use them.
     uint32_t skin_number(Handle<Skin> skin) {
-        uint32_t number = 0;
-        if (writer_.skins.of(skin) == kNotWritten)
-            for (const auto& [handle, value] : writer_.scene.skins()) writer_.skins.set(handle, number++);
+        if (writer_.skins.of(skin) == kNotWritten) {
+            writer_.skins.set(skin, static_cast<uint32_t>(writer_.skin_order.size()));
+            writer_.skin_order.push_back(skin);
+        }
         return writer_.skins.of(skin);
     }
 

@@ -45,6 +45,7 @@ struct Writer {
     Numbers<Mesh> meshes = {};
     Numbers<Node> nodes = {};
     Numbers<Skin> skins = {};
+    std::vector<Handle<Skin>> skin_order = {};
 
     // Adds to an array of the root and returns the number there. Tables that would be empty do not exist: glTF forbids them.
     uint32_t push(const char* table, Json value) {
