@@ -60,7 +60,8 @@ uint32_t component_count(const JsonRef& type) {
     if (name == "VEC2") return 2;
     if (name == "VEC3") return 3;
     if (name == "VEC4") return 4;
-    type.fail(fmt::format("'{}' cannot be used here", escape_name(name, 20)), "SCALAR, VEC2, VEC3 or VEC4");
+    if (name == "MAT4") return 16;
+    type.fail(fmt::format("'{}' cannot be used here", escape_name(name, 20)), "SCALAR, VEC2, VEC3, VEC4 or MAT4");
 }
 
 // Bytes of `count` elements of `element_size` at `offset` of a view; checked in 64 bits (count < 2^32, stride <= 252).
@@ -184,7 +185,8 @@ template std::vector<glm::vec4> read_vectors<4>(GltfDocument&, const JsonRef&);
 
 std::vector<glm::vec4> read_colors(GltfDocument& document, const JsonRef& use) {
     const Accessor a = open_accessor(document, use);
-    if (a.components < 3) use.fail(fmt::format("has {} components in {}, expected VEC3 or VEC4", a.components, a.json.path()));
+    if (a.components != 3 && a.components != 4)
+        use.fail(fmt::format("has {} components in {}, expected VEC3 or VEC4", a.components, a.json.path()));
     document.files().charge(2 * a.count * sizeof(glm::vec4), a.json.where());
     std::vector<float> floats(a.count * a.components);
     read_floats(document, a, floats.data());
@@ -192,6 +194,37 @@ std::vector<glm::vec4> read_colors(GltfDocument& document, const JsonRef& use) {
     for (uint64_t i = 0; i < a.count; ++i)
         for (uint32_t c = 0; c < a.components; ++c)
             out[i][static_cast<glm::length_t>(c)] = glm::clamp(floats[i * a.components + c], 0.0f, 1.0f);
+    return out;
+}
+
+std::vector<glm::mat4> read_matrices(GltfDocument& document, const JsonRef& use) {
+    const Accessor a = open_accessor(document, use);
+    if (a.components != 16 || a.type != ComponentType::Float) use.fail(fmt::format("{} is not a MAT4 of floats", a.json.path()));
+    document.files().charge(a.count * sizeof(glm::mat4), a.json.where());
+    std::vector<glm::mat4> out(a.count, glm::mat4(0.0f));
+    if (!out.empty()) read_floats(document, a, &out[0][0][0]);
+    return out;
+}
+
+std::vector<uint16_t> read_joint_numbers(GltfDocument& document, const JsonRef& use) {
+    const Accessor a = open_accessor(document, use);
+    if (a.components != 4 || a.normalized || (a.type != ComponentType::UnsignedByte && a.type != ComponentType::UnsignedShort))
+        use.fail(fmt::format("{} is not a VEC4 of unsigned bytes or shorts", a.json.path()));
+    document.files().charge(a.count * 4 * (sizeof(float) + sizeof(uint16_t)), a.json.where());
+    std::vector<float> floats(a.count * 4);
+    read_floats(document, a, floats.data());  // every number below 2^16 is exact
+    return {floats.begin(), floats.end()};
+}
+
+std::vector<float> read_numbers(GltfDocument& document, const JsonRef& use, uint32_t components, NumberKind kind) {
+    const Accessor a = open_accessor(document, use);
+    if (a.components != components) use.fail(fmt::format("has {} components in {}, expected {}", a.components, a.json.path(), components));
+    if (a.type != ComponentType::Float && (kind == NumberKind::Float || !a.normalized))
+        use.fail(fmt::format("{} does not have {}", a.json.path(),
+                             kind == NumberKind::Float ? "floats" : "floats or normalised integers"));
+    document.files().charge(a.count * components * sizeof(float), a.json.where());
+    std::vector<float> out(a.count * components);
+    read_floats(document, a, out.data());
     return out;
 }
 

@@ -9,7 +9,8 @@
 
 namespace parhelion {
 
-// A length that is 1 but for the rounding of float: such a vector stays as it is, so that reading what was written changes no bit.
+// A length (or a sum of weights) that is 1 but for the rounding of float: such values stay as they are, so that reading what was
+// written changes no bit.
 inline bool is_unit(double length) { return length > 1.0 - 5e-7 && length < 1.0 + 5e-7; }
 
 // `use` is the number that names the accessor, where it is used ("meshes[0].primitives[0].attributes.POSITION"). The type must be
@@ -22,6 +23,16 @@ extern template std::vector<glm::vec4> read_vectors<4>(GltfDocument&, const Json
 
 // Colours: VEC3 (alpha 1) or VEC4.
 std::vector<glm::vec4> read_colors(GltfDocument& document, const JsonRef& use);
+
+// MAT4 of floats, as 4x4 matrices of any kind.
+std::vector<glm::mat4> read_matrices(GltfDocument& document, const JsonRef& use);
+
+// JOINTS_n: VEC4 of unsigned bytes or shorts, four numbers a vertex.
+std::vector<uint16_t> read_joint_numbers(GltfDocument& document, const JsonRef& use);
+
+// The numbers of all elements, of `components` each, one after the other.
+enum class NumberKind { Float, FloatOrNormalized };
+std::vector<float> read_numbers(GltfDocument& document, const JsonRef& use, uint32_t components, NumberKind kind);
 
 // A SCALAR of an unsigned type; no index is `vertex_count` or more.
 std::vector<uint32_t> read_indices(GltfDocument& document, const JsonRef& use, uint64_t vertex_count);

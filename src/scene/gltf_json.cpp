@@ -92,6 +92,7 @@ JsonRef JsonRef::child(const json* value, Step step) const {
 bool JsonRef::is_object() const { return value_->is_object(); }
 bool JsonRef::is_array() const { return value_->is_array(); }
 bool JsonRef::is_number() const { return value_->is_number(); }
+bool JsonRef::is_string() const { return value_->is_string(); }
 
 std::optional<JsonRef> JsonRef::find(std::string_view key) const {
     if (!value_->is_object()) fail_type("an object");

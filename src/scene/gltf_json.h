@@ -56,6 +56,7 @@ public:
     bool is_object() const;
     bool is_array() const;
     bool is_number() const;
+    bool is_string() const;
 
     // Members of an object. at() fails if it is not there. Keys must outlive the reference (literals).
     std::optional<JsonRef> find(std::string_view key) const;

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "scene/gltf_accessors.h"
+#include "scene/gltf_skins.h"
 #include "scene/gltf_variants.h"
 #include "scene/median_order.h"
 #include "scene/tangents.h"
@@ -104,8 +105,9 @@ void read_attributes(GltfDocument& document, const JsonRef& attributes, Primitiv
 // What the file leaves out and the normal map needs. A mesh without normals stays without, where nothing asks for them: its
 // triangles are flat as they are.
 void finish_attributes(GltfDocument& document, const JsonRef& json, Primitive& primitive, uint32_t normal_uv_set) {
-    if (primitive.normals.empty()) {
-        document.files().charge(primitive.triangles.size() * 3 * 72, json.where());
+    const bool flat = primitive.normals.empty();
+    if (flat) {
+        document.files().charge(primitive.triangles.size() * 3 * (72 + deformation_bytes(primitive)), json.where());
         unshare_with_flat_normals(primitive);
     }
     if (!primitive.tangents.empty()) return;
@@ -113,8 +115,9 @@ void finish_attributes(GltfDocument& document, const JsonRef& json, Primitive& p
         document.warn(json, fmt::format("has a normal map, but no TEXCOORD_{} for it", normal_uv_set));
         return;
     }
-    document.files().charge(primitive.triangles.size() * 64, json.where());
+    document.files().charge(primitive.triangles.size() * (64 + deformation_bytes(primitive)), json.where());
     generate_tangents(primitive, normal_uv_set);
+    if (flat && deforms(primitive)) primitive.normals.clear();  // what deforms stays flat (glTF 2.0, 3.7.2.2)
 }
 
 // Its materials, and what the normal map of any of them needs (the one that is shown is asked first).
@@ -182,10 +185,13 @@ Mesh read_mesh(GltfDocument& document, const JsonRef& json, const MaterialHandle
         check_reach(*positions, primitive.positions);
         if (!read_triangles(document, primitive_json, primitive)) continue;
         read_attributes(document, attributes, primitive);
+        read_influences(document, attributes, primitive);
+        read_targets(document, primitive_json, primitive);
         dress(document, primitive_json, materials, options, primitive);
         if (options.median_order) order_triangles_by_median(primitive);
         mesh.primitives.push_back(std::move(primitive));
     }
+    read_target_list(document, json, mesh);
     return mesh;
 }
 

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "scene/gltf_accessors.h"
+#include "scene/gltf_skins.h"
 
 namespace parhelion {
 
@@ -104,6 +105,32 @@ std::vector<GltfNode> collect_nodes(GltfDocument& document) {
         for (size_t i = 0; children && i < children->size(); ++i) out.push_back({(*children)[i].as_index_of("nodes"), at});
     }
     return out;
+}
+
+void add_joint_nodes(GltfDocument& document, std::vector<GltfNode>& nodes) {
+    const JsonRef root = document.root();
+    std::set<uint32_t> skins;
+    for (const GltfNode& node : nodes)
+        if (const std::optional<JsonRef> skin = root.at("nodes")[node.index].find("skin")) skins.insert(skin->as_index_of("skins"));
+    if (skins.empty()) return;
+    const uint32_t node_count = static_cast<uint32_t>(root.array_size("nodes"));
+    std::vector<uint32_t> place(node_count, kNone);  // in the list
+    for (uint32_t at = 0; at < nodes.size(); ++at) place[nodes[at].index] = at;
+    const std::vector<uint32_t> parents = find_parents(root, node_count);
+    for (const uint32_t skin : skins)
+        for (const uint32_t joint : joints_of(root.at("skins")[skin])) {
+            if (place[joint] != kNone) continue;
+            document.warn(root.at("skins")[skin], "has joints that the scene does not have");
+            std::vector<uint32_t> path;
+            uint32_t up = joint;
+            for (; up != kNone && place[up] == kNone; up = parents[up]) path.push_back(up);
+            uint32_t parent = up == kNone ? GltfNode::kNoParent : place[up];
+            for (auto node = path.rbegin(); node != path.rend(); ++node) {
+                place[*node] = static_cast<uint32_t>(nodes.size());
+                nodes.push_back({*node, parent, false});
+                parent = place[*node];
+            }
+        }
 }
 
 Transform read_transform(GltfDocument& document, const JsonRef& node) {

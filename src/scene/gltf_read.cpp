@@ -2,10 +2,12 @@
 
 #include <cmath>
 
+#include "scene/gltf_animation.h"
 #include "scene/gltf_document.h"
 #include "scene/gltf_materials.h"
 #include "scene/gltf_meshes.h"
 #include "scene/gltf_nodes.h"
+#include "scene/gltf_skins.h"
 #include "scene/gltf_variants.h"
 
 namespace parhelion {
@@ -21,8 +23,13 @@ public:
 
     SceneEdit read() {
         nodes_ = collect_nodes(document_);
+        add_joint_nodes(document_, nodes_);
         add_meshes();
         add_nodes();
+        add_skins();
+        for (const GltfNode& node : nodes_)
+            if (node.drawn) add_contents(node_json(node), handles_.at(node.index));
+        add_animations(document_, edit_, animated_nodes());
         if (nodes_.empty()) document_.warn("the scene is empty");
         return std::move(edit_);
     }
@@ -34,7 +41,7 @@ private:
     void add_meshes() {
         std::set<uint32_t> meshes;
         for (const GltfNode& node : nodes_)
-            if (const auto mesh = node_json(node).find("mesh")) meshes.insert(mesh->as_index_of("meshes"));
+            if (const auto mesh = node_json(node).find("mesh"); mesh && node.drawn) meshes.insert(mesh->as_index_of("meshes"));
         std::set<uint32_t> materials;
         bool needs_default = false;
         for (const uint32_t mesh : meshes)
@@ -46,7 +53,9 @@ private:
         const MaterialHandles handles = add_materials(document_, edit_, materials, needs_default);
         for (const uint32_t index : meshes) {
             Mesh mesh = read_mesh(document_, document_.root().at("meshes")[index], handles, mesh_options_);
-            if (!mesh.primitives.empty()) meshes_[index] = edit_.add(std::move(mesh));
+            if (mesh.primitives.empty()) continue;
+            deformation_[index] = {joints_needed(mesh), static_cast<uint32_t>(mesh.primitives[0].targets.size())};
+            meshes_[index] = edit_.add(std::move(mesh));
         }
     }
 
@@ -64,8 +73,47 @@ private:
             }
             check_reach(json, world.back());
             handles.push_back(edit_.add(std::move(value)));
-            add_contents(json, handles.back());
+            handles_[node.index] = handles.back();
         }
+    }
+
+    void add_skins() {
+        for (const GltfNode& node : nodes_) {
+            const std::optional<JsonRef> ref = node_json(node).find("skin");
+            if (!ref || !node.drawn) continue;
+            const uint32_t index = ref->as_index_of("skins");
+            if (skins_.contains(index)) continue;
+            Skin skin = read_skin(document_, document_.entry("skins", *ref), handles_);
+            joint_counts_[index] = skin.joints.size();
+            skins_[index] = edit_.add(std::move(skin));
+        }
+    }
+
+    // The skin and the weights of morph targets that a node gives its mesh.
+    void read_deformation(const JsonRef& json, uint32_t mesh, Instance& instance) {
+        const Deformation& needs = deformation_.at(mesh);
+        instance.weights = read_weights(document_, json, needs.targets);
+        const std::optional<JsonRef> ref = json.find("skin");
+        if (!ref && needs.joints != 0) document_.warn(json, "its mesh has joints, but the node has no skin");
+        if (!ref) return;
+        if (needs.joints == 0) {
+            document_.warn(json, "has a skin, but its mesh has no joints");
+            return;
+        }
+        const uint32_t skin = ref->as_index_of("skins");
+        if (needs.joints > joint_counts_.at(skin))
+            ref->fail(fmt::format("its mesh names joint {}, but the skin has {}", needs.joints - 1, joint_counts_.at(skin)));
+        instance.skin = skins_.at(skin);
+    }
+
+    std::map<uint32_t, AnimatedNode> animated_nodes() const {
+        std::map<uint32_t, AnimatedNode> out;
+        for (const GltfNode& node : nodes_) {
+            const std::optional<JsonRef> mesh = node.drawn ? node_json(node).find("mesh") : std::nullopt;
+            const auto found = mesh ? deformation_.find(mesh->as_index_of("meshes")) : deformation_.end();
+            out[node.index] = {handles_.at(node.index), found != deformation_.end() ? found->second.targets : 0};
+        }
+        return out;
     }
 
     // Products of finite transforms may still leave the range of float.
@@ -79,9 +127,14 @@ private:
     void add_contents(const JsonRef& json, Handle<Node> node) {
         const std::string node_name = json.string("name");
         if (const auto mesh = json.find("mesh")) {
-            const auto found = meshes_.find(mesh->as_index_of("meshes"));
-            if (found != meshes_.end()) edit_.add(Instance{.mesh = found->second, .place = {.node = node}});
-            if (json.find("skin")) document_.warn("skins are not evaluated: skinned meshes keep their rest pose");
+            const uint32_t index = mesh->as_index_of("meshes");
+            if (const auto found = meshes_.find(index); found != meshes_.end()) {
+                Instance instance{.mesh = found->second, .place = {.node = node}};
+                read_deformation(json, index, instance);
+                edit_.add(std::move(instance));
+            }
+        } else if (json.find("skin")) {
+            document_.warn(json, "has a skin, but no mesh");
         }
         if (const auto camera_ref = json.find("camera")) {
             Camera camera = read_camera(document_, document_.entry("cameras", *camera_ref));
@@ -107,8 +160,17 @@ private:
     GltfDocument& document_;
     MeshOptions mesh_options_;
     SceneEdit edit_;
+    // What a mesh asks of its nodes.
+    struct Deformation {
+        uint32_t joints, targets;  // joints that its skin must have at least; 0: no skin
+    };
     std::vector<GltfNode> nodes_;
+    // By number in the file.
+    std::map<uint32_t, Handle<Node>> handles_;
     std::map<uint32_t, Handle<Mesh>> meshes_;
+    std::map<uint32_t, Deformation> deformation_;
+    std::map<uint32_t, Handle<Skin>> skins_;
+    std::map<uint32_t, size_t> joint_counts_;
 };
 
 }  // namespace

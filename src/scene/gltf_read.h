@@ -18,7 +18,7 @@ struct GltfOptions {
 // What a file becomes: apply the edit to an empty scene, or to one that it joins. The edit sets the scene's source too, whose
 // warnings say what was left out.
 // Read: the file's default scene (else its first, else all root nodes) with what it needs: node hierarchy, triangle meshes of
-// all modes, metallic-roughness materials, textures (PNG, JPEG), cameras, punctual lights. Throws Error that names file and place.
+// all modes with skins and morph targets, metallic-roughness materials, textures (PNG, JPEG), cameras, punctual lights, animations. Throws Error that names file and place.
 SceneEdit read_gltf(SceneFiles& files, std::span<const std::byte> file, const std::string& name, const GltfOptions& options = {});
 
 }  // namespace parhelion

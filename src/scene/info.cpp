@@ -2,24 +2,36 @@
 
 #include <unordered_set>
 
+#include "scene/animation.h"
+
 namespace parhelion {
 
 namespace {
 
+uint64_t bytes_of_deformation(const Primitive& p) {
+    uint64_t bytes = p.joints.size() * sizeof(uint16_t) + p.joint_weights.size() * sizeof(float);
+    for (const MorphTarget& target : p.targets)
+        bytes += (target.positions.size() + target.normals.size() + target.tangents.size()) * sizeof(glm::vec3);
+    return bytes;
+}
+
 uint64_t bytes_of(const Primitive& p) {
     return p.positions.size() * sizeof(glm::vec3) + p.normals.size() * sizeof(glm::vec3) + p.tangents.size() * sizeof(glm::vec4) +
            (p.uv0.size() + p.uv1.size()) * sizeof(glm::vec2) + p.colors.size() * sizeof(glm::vec4) +
-           p.triangles.size() * sizeof(glm::uvec3);
+           p.triangles.size() * sizeof(glm::uvec3) + bytes_of_deformation(p);
 }
 
 void describe_geometry(const Scene& scene, SceneInfo& info) {
+    std::unordered_set<Handle<Mesh>> posed;
+    for (const auto& [handle, instance] : scene.instances())
+        if (instance.posed) posed.insert(instance.posed);
     for (const auto& [handle, mesh] : scene.meshes()) {
+        for (const Primitive& primitive : mesh.primitives) info.geometry_bytes += bytes_of(primitive);
+        if (posed.contains(handle)) continue;
+        ++info.meshes;
         info.primitives += mesh.primitives.size();
         info.triangles += mesh.triangle_count;
-        for (const Primitive& primitive : mesh.primitives) {
-            info.vertices += primitive.positions.size();
-            info.geometry_bytes += bytes_of(primitive);
-        }
+        for (const Primitive& primitive : mesh.primitives) info.vertices += primitive.positions.size();
     }
     for (const auto& [handle, instance] : scene.instances()) {
         const Mesh& mesh = scene.get(instance.drawn_mesh());
@@ -75,6 +87,18 @@ std::string not_drawn_text(const SceneInfo& info) {
     return out;
 }
 
+void describe_animation(const Scene& scene, SceneInfo& info) {
+    for (const auto& [handle, animation] : scene.animations())
+        info.animations.push_back({animation.name, duration_of(animation), animation.channels.size()});
+    for (const auto& [handle, skin] : scene.skins()) info.skins.push_back({skin.name, skin.joints.size()});
+    for (const auto& [handle, mesh] : scene.meshes()) {
+        if (mesh.primitives.empty() || mesh.primitives[0].targets.empty()) continue;
+        std::vector<std::string> names = mesh.target_names;
+        names.resize(mesh.primitives[0].targets.size());
+        info.morphed_meshes.push_back({mesh.name, std::move(names)});
+    }
+}
+
 std::string_view light_kind_name(LightKind kind) {
     return kind == LightKind::Directional ? "directional" : kind == LightKind::Point ? "point" : "spot";
 }
@@ -83,6 +107,14 @@ std::string list(const std::vector<std::string>& names) {
     std::string out;
     for (const std::string& name : names) out += (out.empty() ? "" : ", ") + escape_name(name);
     return out.empty() ? "none" : out;
+}
+
+std::string target_list(const MorphInfoRow& row) {
+    std::vector<std::string> names;
+    for (const std::string& name : row.targets)
+        if (!name.empty()) names.push_back(name);
+    const std::string count = fmt::format("{} targets", row.targets.size());
+    return names.empty() ? count : fmt::format("{} ({})", count, list(names));
 }
 
 double mebibytes(uint64_t bytes) { return static_cast<double>(bytes) / 1048576.0; }
@@ -94,7 +126,6 @@ SceneInfo describe(const LoadedScene& loaded) {
     const SceneSource& source = scene.source();
     SceneInfo info{.name = source.name, .generator = source.generator, .copyright = source.copyright};
     info.nodes = scene.nodes().size();
-    info.meshes = scene.meshes().size();
     info.instances = scene.instances().size();
     info.materials = scene.materials().size();
     info.images = scene.images().size();
@@ -108,12 +139,9 @@ SceneInfo describe(const LoadedScene& loaded) {
     for (const auto& [handle, camera] : scene.cameras()) info.cameras.push_back(camera.name);
     for (const ScriptedEdit& edit : loaded.scripted_edits) info.scripted_edits.push_back(edit.name + ": " + edit.help);
     info.environment = !scene.environment().black();
-    info.animations = static_cast<uint32_t>(scene.animations().size());
-    info.skins = static_cast<uint32_t>(scene.skins().size());
-    for (const auto& [handle, mesh] : scene.meshes())
-        if (!mesh.primitives.empty() && !mesh.primitives[0].targets.empty()) ++info.morphed_meshes;
     info.variants = source.variants;
     info.not_drawn = describe_not_drawn(scene);
+    describe_animation(scene, info);
     info.extensions_used = source.extensions_used;
     info.extensions_not_drawn = source.extensions_not_drawn;
     info.warnings = source.warnings;
@@ -142,8 +170,13 @@ std::string format_info(const SceneInfo& info) {
     line("cameras", list(info.cameras));
     if (!info.variants.empty()) line("variants", list(info.variants));
     if (!info.scripted_edits.empty()) line("animate", list(info.scripted_edits));
-    if (info.animations + info.skins + info.morphed_meshes != 0)
-        line("animation", fmt::format("{} animations, {} skins, {} morphed meshes", info.animations, info.skins, info.morphed_meshes));
+    for (size_t i = 0; i < info.animations.size(); ++i)
+        line(i == 0 ? "animations" : "", fmt::format("{} '{}': {:.3g} seconds, {} channels", i, escape_name(info.animations[i].name),
+                                                     info.animations[i].seconds, info.animations[i].channels));
+    for (size_t i = 0; i < info.skins.size(); ++i)
+        line(i == 0 ? "skins" : "", fmt::format("'{}': {} joints", escape_name(info.skins[i].name), info.skins[i].joints));
+    for (size_t i = 0; i < info.morphed_meshes.size(); ++i)
+        line(i == 0 ? "morphs" : "", fmt::format("'{}': {}", escape_name(info.morphed_meshes[i].name), target_list(info.morphed_meshes[i])));
     if (!info.bounds.empty())
         line("bounds", fmt::format("({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g}) metres", info.bounds.min.x, info.bounds.min.y,
                                    info.bounds.min.z, info.bounds.max.x, info.bounds.max.y, info.bounds.max.z));

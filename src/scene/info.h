@@ -25,10 +25,26 @@ struct NotDrawnRow {
     size_t materials = 0;  // that use it, of those that can be seen
 };
 
+struct AnimationInfoRow {
+    std::string name;
+    float seconds = 0.0f;  // until its last key
+    size_t channels = 0;
+};
+
+struct SkinInfoRow {
+    std::string name;
+    size_t joints = 0;
+};
+
+struct MorphInfoRow {
+    std::string name;                  // of the mesh
+    std::vector<std::string> targets;  // names, "" where the file has none
+};
+
 struct SceneInfo {
     std::string name, generator, copyright;
     size_t nodes = 0, meshes = 0, primitives = 0, instances = 0, materials = 0, images = 0;
-    uint64_t triangles = 0, vertices = 0;  // of all meshes, each counted once
+    uint64_t triangles = 0, vertices = 0;  // of all meshes at rest, each counted once
     uint64_t instanced_triangles = 0;      // as often as they are placed
     std::vector<TextureInfoRow> textures;
     std::vector<LightInfoRow> lights;
@@ -37,7 +53,9 @@ struct SceneInfo {
     bool environment = false;                 // not black
     std::vector<std::string> cameras;         // names, in the order of their indices
     std::vector<std::string> scripted_edits;  // "name: what it does"
-    uint32_t animations = 0, skins = 0, morphed_meshes = 0;
+    std::vector<AnimationInfoRow> animations;
+    std::vector<SkinInfoRow> skins;
+    std::vector<MorphInfoRow> morphed_meshes;
     std::vector<std::string> variants;  // names of the material variants
     std::vector<NotDrawnRow> not_drawn;
     std::vector<std::string> extensions_used, extensions_not_drawn, warnings;

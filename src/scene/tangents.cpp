@@ -10,12 +10,14 @@ namespace parhelion {
 
 namespace {
 
+// `width` values belong to each vertex.
 template <class V>
-void gather(std::vector<V>& values, const std::vector<uint32_t>& sources) {
+void gather(std::vector<V>& values, const std::vector<uint32_t>& sources, size_t width = 1) {
     if (values.empty()) return;
     std::vector<V> out;
-    out.reserve(sources.size());
-    for (const uint32_t source : sources) out.push_back(values[source]);
+    out.reserve(sources.size() * width);
+    for (const uint32_t source : sources)
+        for (size_t i = 0; i < width; ++i) out.push_back(values[source * width + i]);
     values = std::move(out);
 }
 
@@ -27,6 +29,13 @@ void rearrange_vertices(Primitive& primitive, const std::vector<uint32_t>& sourc
     gather(primitive.uv0, sources);
     gather(primitive.uv1, sources);
     gather(primitive.colors, sources);
+    gather(primitive.joints, sources, primitive.influence_count);
+    gather(primitive.joint_weights, sources, primitive.influence_count);
+    for (MorphTarget& target : primitive.targets) {
+        gather(target.positions, sources);
+        gather(target.normals, sources);
+        gather(target.tangents, sources);
+    }
 }
 
 // Corners with the same key share one tangent.

@@ -34,6 +34,25 @@ Json lights_json(const SceneInfo& info) {
     return list;
 }
 
+Json animations_json(const SceneInfo& info) {
+    Json list = Json::array();
+    for (const AnimationInfoRow& row : info.animations)
+        list.push_back({{"name", row.name}, {"seconds", row.seconds}, {"channels", row.channels}});
+    return list;
+}
+
+Json skins_json(const SceneInfo& info) {
+    Json list = Json::array();
+    for (const SkinInfoRow& row : info.skins) list.push_back({{"name", row.name}, {"joints", row.joints}});
+    return list;
+}
+
+Json morphs_json(const SceneInfo& info) {
+    Json list = Json::array();
+    for (const MorphInfoRow& row : info.morphed_meshes) list.push_back({{"mesh", row.name}, {"targets", row.targets}});
+    return list;
+}
+
 }  // namespace
 
 Json info_json(const SceneInfo& info) {
@@ -58,9 +77,9 @@ Json info_json(const SceneInfo& info) {
             {"bounds",
              info.bounds.empty() ? Json(nullptr) : Json{{"min", vector_json(info.bounds.min)}, {"max", vector_json(info.bounds.max)}}},
             {"scripted_edits", info.scripted_edits},
-            {"animations", info.animations},
-            {"skins", info.skins},
-            {"morphed_meshes", info.morphed_meshes},
+            {"animations", animations_json(info)},
+            {"skins", skins_json(info)},
+            {"morphed_meshes", morphs_json(info)},
             {"extensions_used", info.extensions_used},
             {"variants", info.variants},
             {"not_drawn", not_drawn_json(info)},

@@ -123,8 +123,8 @@ Scene moving_scene() {
     p.material = edit.add(Material{.name = "skin"});
     p.influence_count = 4;
     for (size_t v = 0; v < p.positions.size(); ++v) {
-        p.joints.insert(p.joints.end(), {0, 1, 0, 0});
-        p.joint_weights.insert(p.joint_weights.end(), {0.25f, 0.75f, 0.0f, 0.0f});
+        p.joints.insert(p.joints.end(), {0, 1, 1, 0});
+        p.joint_weights.insert(p.joint_weights.end(), {0.1f, 0.7f, 0.2f, 0.0f});
     }
     p.targets.resize(2);
     p.targets[0].positions.assign(p.positions.size(), {0.1f, 0.2f, 0.3f});

@@ -145,9 +145,15 @@ private:
 
     template <class T>
     void homeless(const std::vector<Handle<Node>>& roots_b, size_t& helper) {
+        std::vector<Handle<T>> theirs;
+        for (const auto& [handle, value] : b_.all<T>())
+            if (!value.place.node) theirs.push_back(handle);
+        size_t i = 0;
         for (const auto& [handle, value] : a_.all<T>()) {
-            const std::string where = fmt::format("{} of no node", T::kTypeName);
-            if (!value.place.node) values(where, handle, on_helper<T>(where, roots_b, helper++), "");
+            if (value.place.node) continue;
+            const std::string where = fmt::format("{} {} of no node", T::kTypeName, i);
+            values(where, handle, i < theirs.size() ? theirs[i] : on_helper<T>(where, roots_b, helper++), "");
+            ++i;
         }
     }
 

@@ -113,7 +113,7 @@ TEST(GltfAccessor, data_outside_of_its_view_is_refused_whatever_the_numbers) {
                         {"componentType", 0, "0 is no component type"},
                         {"componentType", 5125, "32-bit integers can only be indices"},
                         {"type", "SCALAR", "expected VEC2"},
-                        {"type", "MAT4", "'MAT4' cannot be used here"},
+                        {"type", "MAT3", "'MAT3' cannot be used here"},
                         {"type", 7, "is 7, expected a string"},
                         {"normalized", true, "only 8 and 16 bit integers"},
                         {"bufferView", 77, "names bufferViews[77], but the file has only 5"}};

@@ -30,7 +30,7 @@ public:
     // An accessor over a view of its own.
     template <class T>
     int accessor(const std::vector<T>& values, int component_type, const std::string& type) {
-        const size_t components = type == "SCALAR" ? 1 : static_cast<size_t>(type[3] - '0');
+        const size_t components = type == "SCALAR" ? 1 : type == "MAT4" ? 16 : static_cast<size_t>(type[3] - '0');
         return push(
             "accessors",
             {{"bufferView", view(values)}, {"componentType", component_type}, {"type", type}, {"count", values.size() / components}});

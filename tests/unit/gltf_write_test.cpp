@@ -62,6 +62,8 @@ TEST(GltfWrite, every_builtin_scene_comes_back_bit_for_bit) {
 
 TEST(GltfWrite, a_scene_of_everything_comes_back_bit_for_bit) { expect_round_trip(everything_scene()); }
 
+TEST(GltfWrite, a_moving_scene_comes_back_bit_for_bit) { expect_round_trip(moving_scene()); }
+
 TEST(GltfWrite, what_shares_a_node_or_has_none_gets_a_nameless_node_of_its_own) {
     const Scene scene = everything_scene(), again = load_bytes(write_glb(scene));
     EXPECT_EQ(again.instances().size(), scene.instances().size());
