@@ -77,7 +77,7 @@ public:
     Animation read(const JsonRef& json) {
         Animation animation{.name = json.string("name")};
         const JsonRef channels = json.at("channels"), samplers = json.at("samplers");
-        if (channels.size() == 0) channels.fail("is empty");
+        if (channels.size() == 0) document_.warn(json, "has no channels");
         std::set<std::pair<uint32_t, AnimatedPath>> moved;
         for (size_t i = 0; i < channels.size(); ++i) {
             const JsonRef target = channels[i].at("target");
@@ -87,11 +87,9 @@ public:
             const uint32_t node_index = node_ref->as_index_of("nodes");
             const auto node = nodes_.find(node_index);
             if (node == nodes_.end()) continue;
-            if (!moved.insert({node_index, *path}).second) {
-                document_.warn(target, "moves what a channel before it moves, and is left out");
-                continue;
-            }
-            if (fits(target, *path, node->second)) animation.channels.push_back(read_channel(channels[i], samplers, *path, node->second));
+            if (!moved.insert({node_index, *path}).second)
+                target.fail("moves what a channel before it moves", "an animation moves each property of a node once");
+            if (fits(target, *path, node->second) && has_keys(channels[i], samplers)) animation.channels.push_back(read_channel(channels[i], samplers, *path, node->second));
         }
         return animation;
     }
@@ -107,11 +105,23 @@ private:
         return true;
     }
 
+    static JsonRef sampler_of(const JsonRef& channel, const JsonRef& samplers) {
+        const JsonRef ref = channel.at("sampler");
+        const uint64_t index = ref.as_uint(0xFFFFFFFFull);
+        if (index >= samplers.size()) ref.fail(fmt::format("names sampler {}, but there are {}", index, samplers.size()));
+        return samplers[index];
+    }
+
+    // An accessor without data is one of zeros (glTF 2.0, 3.6.2.1), which as times say nothing.
+    bool has_keys(const JsonRef& channel, const JsonRef& samplers) {
+        const JsonRef times = document_.entry("accessors", sampler_of(channel, samplers).at("input"));
+        if (times.find("bufferView") || times.find("sparse")) return true;
+        document_.warn(channel, "has times without data and is left out");
+        return false;
+    }
+
     AnimationChannel read_channel(const JsonRef& json, const JsonRef& samplers, AnimatedPath path, const AnimatedNode& node) {
-        const JsonRef sampler_ref = json.at("sampler");
-        const uint64_t index = sampler_ref.as_uint(0xFFFFFFFFull);
-        if (index >= samplers.size()) sampler_ref.fail(fmt::format("names sampler {}, but there are {}", index, samplers.size()));
-        const JsonRef sampler = samplers[index];
+        const JsonRef sampler = sampler_of(json, samplers);
         const OutputShape shape = shape_of(path, node.target_count);
         AnimationChannel channel{.node = node.node, .path = path, .interpolation = read_interpolation(sampler), .width = shape.width};
         document_.files().charge(sizeof(AnimationChannel), json.where());

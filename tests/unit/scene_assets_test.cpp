@@ -75,6 +75,19 @@ TEST(SceneAssets, damaged_helmet_loads_and_gets_the_tangents_it_lacks) {
     EXPECT_LT(vertices, 15500u);  // few splits
 }
 
+TEST(SceneAssets, fox_runs_by_name_and_is_as_large_in_every_pose) {
+    PARHELION_NEED_ASSET(path, "fox/Fox.glb");
+    const SceneInfo info = describe(load_scene(path.string()));
+    ASSERT_EQ(info.animations.size(), 3u);
+    EXPECT_EQ(info.animations[2].name, "Run");
+    EXPECT_EQ(info.skins.at(0).joints, 24u);
+    EXPECT_EQ(info.meshes, 1u);
+    const Bounds start = load_scene(path.string(), {.animation = "Run"}).scene.bounds();
+    const Bounds later = load_scene(path.string(), {.animation = "2", .time = 0.3}).scene.bounds();
+    EXPECT_GT(glm::length(later.max - start.max), 1.0f);  // the file is in centimetres
+    EXPECT_NEAR(later.diagonal() / start.diagonal(), 1.0f, 0.2f);
+}
+
 TEST(SceneAssets, environments_load_from_hdr_files) {
     PARHELION_NEED_ASSET(path, "hdr_nvpro_dev/std_env.hdr");
     const Environment environment = load_environment(path);
