@@ -35,7 +35,7 @@ TEST_F(CliExport, an_exported_scene_is_the_same_picture) {
         GTEST_SKIP() << "there is no Vulkan device";
     }
     ASSERT_EQ(run_parhelion({"export", "builtin:cornell", "--out", file("c.glb")}).exit_code, 0);
-    for (const std::string scene : {std::string("builtin:cornell"), file("c.glb")}) {
+    for (const std::string& scene : {std::string("builtin:cornell"), file("c.glb")}) {
         const std::string out = scene == file("c.glb") ? file("b.exr") : file("a.exr");
         ASSERT_EQ(run_parhelion({"render", scene, "--size", "24x16", "--spp", "2", "--exposure", "3", "--out", out}).exit_code, 0);
     }
