@@ -93,11 +93,14 @@ AtomicFile::~AtomicFile() {
     if (!committed_) fs::remove(temporary_, ignored);
 }
 
-void AtomicFile::write(std::span<const std::byte> bytes) {
+void AtomicFile::write(std::span<const std::byte> bytes) { write_parts({&bytes, 1}); }
+
+void AtomicFile::write_parts(std::span<const std::span<const std::byte>> parts) {
     FileHandle file(std::fopen(temporary_.c_str(), "wb"));
     if (!file) fail(target_, fmt::format("cannot be written: {}", std::strerror(errno)), "choose a folder that you may write to");
-    if (!bytes.empty() && std::fwrite(bytes.data(), 1, bytes.size(), file.get()) != bytes.size())
-        fail(target_, fmt::format("writing failed: {}", std::strerror(errno)), "free some space or choose another folder");
+    for (const std::span<const std::byte> bytes : parts)
+        if (!bytes.empty() && std::fwrite(bytes.data(), 1, bytes.size(), file.get()) != bytes.size())
+            fail(target_, fmt::format("writing failed: {}", std::strerror(errno)), "free some space or choose another folder");
     if (std::fclose(file.release()) != 0) fail(target_, fmt::format("writing failed: {}", std::strerror(errno)), "free some space or choose another folder");
 }
 

@@ -30,6 +30,7 @@ public:
     // Where a writer that wants a path of its own (OpenEXR) writes.
     const std::filesystem::path& temporary_path() const { return temporary_; }
     void write(std::span<const std::byte> bytes);  // creates or replaces the temporary file
+    void write_parts(std::span<const std::span<const std::byte>> parts);  // likewise, one part after the other
     void commit();                                 // flushes to disk and renames; throws Error, then nothing is left
 
 private:

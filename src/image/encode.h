@@ -12,6 +12,8 @@ namespace parhelion::image {
 
 // 8-bit RGB PNG marked as sRGB.
 std::vector<std::byte> encode_png(const Picture8& picture);
+// 8-bit RGBA PNG without any word on its colours, for textures: decode_png gives the same texels back.
+std::vector<std::byte> encode_png(const Texture8& texture);
 void write_png(const std::filesystem::path& path, const Picture8& picture);
 
 enum class ExrPrecision { Half, Float };

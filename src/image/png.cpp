@@ -94,16 +94,31 @@ bool read_rows(PngJob& job, png_bytepp rows) {
     return true;
 }
 
-bool write_all(PngJob& job, uint32_t width, uint32_t height, png_bytepp rows) {
+bool write_all(PngJob& job, uint32_t width, uint32_t height, bool with_alpha, png_bytepp rows) {
     if (setjmp(png_jmpbuf(job.png))) return false;
     png_set_write_fn(job.png, &job, write_bytes, flush_bytes);
     png_set_user_limits(job.png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
-    png_set_IHDR(job.png, job.info, width, height, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    png_set_sRGB(job.png, job.info, PNG_sRGB_INTENT_RELATIVE);
+    png_set_IHDR(job.png, job.info, width, height, 8, with_alpha ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    if (!with_alpha) png_set_sRGB(job.png, job.info, PNG_sRGB_INTENT_RELATIVE);
     png_write_info(job.png, job.info);
     png_write_image(job.png, rows);
     png_write_end(job.png, nullptr);
     return true;
+}
+
+std::vector<std::byte> encode(uint32_t width, uint32_t height, bool with_alpha, const std::vector<uint8_t>& pixels) {
+    const size_t row_bytes = (with_alpha ? size_t{4} : size_t{3}) * width;
+    PARHELION_CHECK(pixels.size() == row_bytes * height && !pixels.empty(), "a picture of {}x{} with {} bytes", width, height, pixels.size());
+    PngWriter writer;
+    writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, static_cast<PngJob*>(&writer), on_error, on_warning);
+    if (writer.png) writer.info = png_create_info_struct(writer.png);
+    if (!writer.info) throw Error(ErrorCode::Failed, "the PNG cannot be encoded: out of memory");
+    std::vector<png_bytep> rows(height);
+    for (size_t y = 0; y < rows.size(); ++y) rows[y] = const_cast<png_bytep>(pixels.data() + y * row_bytes);
+    if (!write_all(writer, width, height, with_alpha, rows.data()))
+        throw Error(ErrorCode::Failed, fmt::format("the PNG cannot be encoded: {}", writer.message));
+    return std::move(writer.output);
 }
 
 }  // namespace
@@ -132,19 +147,8 @@ Texture8 decode_png(std::span<const std::byte> bytes, const DecodeLimits& limits
     return out;
 }
 
-std::vector<std::byte> encode_png(const Picture8& picture) {
-    PARHELION_CHECK(picture.rgb.size() == size_t{3} * picture.width * picture.height && !picture.rgb.empty(), "a picture of {}x{} with {} bytes",
-                    picture.width, picture.height, picture.rgb.size());
-    PngWriter writer;
-    writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, static_cast<PngJob*>(&writer), on_error, on_warning);
-    if (writer.png) writer.info = png_create_info_struct(writer.png);
-    if (!writer.info) throw Error(ErrorCode::Failed, "the PNG cannot be encoded: out of memory");
-    std::vector<png_bytep> rows(picture.height);
-    for (size_t y = 0; y < rows.size(); ++y) rows[y] = const_cast<png_bytep>(picture.rgb.data() + y * size_t{3} * picture.width);
-    if (!write_all(writer, picture.width, picture.height, rows.data()))
-        throw Error(ErrorCode::Failed, fmt::format("the PNG cannot be encoded: {}", writer.message));
-    return std::move(writer.output);
-}
+std::vector<std::byte> encode_png(const Picture8& picture) { return encode(picture.width, picture.height, false, picture.rgb); }
+std::vector<std::byte> encode_png(const Texture8& texture) { return encode(texture.width, texture.height, true, texture.rgba); }
 
 void write_png(const std::filesystem::path& path, const Picture8& picture) { write_file(path, encode_png(picture)); }
 

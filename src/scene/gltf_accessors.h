@@ -45,6 +45,10 @@ struct AccessorShape {
 };
 AccessorShape accessor_shape(GltfDocument& document, const JsonRef& use);
 
+// A length (or a sum of weights) that is 1 but for the rounding of float: such values stay as they are, so that reading what was
+// written changes no bit.
+inline bool is_unit(double length) { return length > 1.0 - 5e-7 && length < 1.0 + 5e-7; }
+
 // `use` is the number that names the accessor, where it is used ("meshes[0].primitives[0].attributes.POSITION"). The type must be
 // VECn (SCALAR for n = 1). Integers come as they are, or mapped to [0, 1] or [-1, 1] if normalised. Every value is finite.
 template <glm::length_t N>

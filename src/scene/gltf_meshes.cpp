@@ -68,6 +68,7 @@ void read_normals(GltfDocument& document, const JsonRef& attributes, Primitive& 
     size_t zero_count = 0;
     for (glm::vec3& n : out.normals) {
         const double length = glm::length(glm::dvec3(n));
+        if (is_unit(length)) continue;
         n = length > 0.0 ? glm::vec3(glm::dvec3(n) / length) : glm::vec3(0.0f);
         if (!(length > 0.0)) ++zero_count;
     }
@@ -82,6 +83,7 @@ void read_tangents(GltfDocument& document, const JsonRef& attributes, Primitive&
     require_count(*use, out.tangents, out.positions.size());
     for (glm::vec4& t : out.tangents) {
         const double length = glm::length(glm::dvec3(t));
+        if (is_unit(length) && std::abs(t.w) == 1.0f) continue;
         t = glm::vec4(length > 0.0 ? glm::vec3(glm::dvec3(t) / length) : glm::vec3(0.0f), t.w < 0.0f ? -1.0f : 1.0f);
     }
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "scene/gltf_accessors.h"
 #include "scene/gltf_skins.h"
 
 namespace parhelion {
@@ -90,6 +91,16 @@ float positive(const JsonRef& owner, std::string_view key, std::optional<float> 
     return number;
 }
 
+// What gltf_write keeps there; of other writers' extras nothing is known, so that what does not fit is passed over.
+float read_angular_radius(const JsonRef& light) {
+    constexpr float kMost = 1.5f;
+    const std::optional<JsonRef> extras = light.find("extras");
+    const std::optional<JsonRef> radius = extras && extras->is_object() ? extras->find(kAngularRadiusKey) : std::nullopt;
+    if (!radius || !radius->is_number()) return 0.0f;
+    const double value = radius->as_number();
+    return value >= 0.0 && value <= kMost ? static_cast<float>(value) : 0.0f;
+}
+
 }  // namespace
 
 std::vector<GltfNode> collect_nodes(GltfDocument& document) {
@@ -151,7 +162,7 @@ Transform read_transform(GltfDocument& document, const JsonRef& node) {
     const double length = glm::length(q);
     if (!(length > 0.0)) node.at("rotation").fail("has no length", "a rotation is a unit quaternion x, y, z, w");
     warn_unless_unit(document, node, length);
-    const glm::dvec4 unit = q / length;
+    const glm::dvec4 unit = is_unit(length) ? q : q / length;
     out.rotation = glm::quat(float(unit.w), float(unit.x), float(unit.y), float(unit.z));
     return out;
 }
@@ -198,6 +209,7 @@ Light read_light(GltfDocument& document, const JsonRef& json) {
     if (type.as_string() == "directional") {
         light.kind = LightKind::Directional;
         light.range = 0.0f;
+        light.angular_radius = read_angular_radius(json);
     } else if (type.as_string() == "point") {
         light.kind = LightKind::Point;
     } else if (type.as_string() == "spot") {

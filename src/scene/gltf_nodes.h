@@ -14,6 +14,9 @@ struct GltfNode {
     bool drawn = true;  // false: in the scene for its place alone
 };
 
+// Where a light's `extras` have its angular radius (Light::angular_radius, radians), for which KHR_lights_punctual has no word.
+constexpr std::string_view kAngularRadiusKey = "parhelion_angularRadius";
+
 // The nodes of the file's default scene, parents before children. Throws Error for cycles, nodes with two parents and scenes that
 // name a node which is not a root.
 std::vector<GltfNode> collect_nodes(GltfDocument& document);

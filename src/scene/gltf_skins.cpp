@@ -54,7 +54,7 @@ void normalize_influences(GltfDocument& document, const JsonRef& attributes, Pri
         if (negative || std::abs(sum - 1.0) > 1e-3) ++off;
         if (!(sum > 0.0)) weights[0] = 1.0f, sum = 1.0;
         for (uint32_t i = 0; i < n; ++i) {
-            weights[i] = static_cast<float>(weights[i] / sum);
+            if (!is_unit(sum)) weights[i] = static_cast<float>(weights[i] / sum);
             if (weights[i] == 0.0f) joints[i] = 0;
         }
     }

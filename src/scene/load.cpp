@@ -38,7 +38,7 @@ LoadedScene load_scene(const std::string& name, const LoadOptions& options) {
         LoadedScene out;
         out.scene.apply(read_gltf(files, *bytes, shown, {.median_order = options.median_order, .keep_encoded = options.keep_encoded, .variant = options.variant}));
         const auto charge = [&](uint64_t memory) { files.charge(memory, shown); };
-        out.scene.apply(pose_at(out.scene, options.time, options.animation, charge));
+        if (!options.at_rest) out.scene.apply(pose_at(out.scene, options.time, options.animation, charge));
         for (const std::string& warning : out.scene.source().warnings) log(LogLevel::Warn, "{}: {}", shown, warning);
         return out;
     } catch (const std::bad_alloc&) {

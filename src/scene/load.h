@@ -15,6 +15,7 @@ struct LoadOptions {
     std::string variant;        // material variant of a file; empty: the file's own materials
     std::string animation;      // name or index of the file's animation to play; empty: all that do not move the same things
     std::string animate;        // scripted edit of a built-in scene; empty: none
+    bool at_rest = false;       // leave a file's scene unposed: no animation is evaluated, no instance has a posed mesh
     double time = 0;            // seconds at which animations and scripted edits stand
     BuiltinOptions builtin;
 };

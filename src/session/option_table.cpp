@@ -9,10 +9,11 @@ constexpr uint32_t kCompare = command_bit(Command::Compare);
 constexpr uint32_t kMerge = command_bit(Command::Merge);
 constexpr uint32_t kDevices = command_bit(Command::Devices);
 constexpr uint32_t kInfo = command_bit(Command::Info);
+constexpr uint32_t kExport = command_bit(Command::Export);
 constexpr uint32_t kBench = command_bit(Command::Bench);
 constexpr uint32_t kSettings = command_bit(Command::Settings);
 constexpr uint32_t kHelp = command_bit(Command::Help);
-constexpr uint32_t kTakesScene = kRender | kInfo;
+constexpr uint32_t kTakesScene = kRender | kInfo | kExport;
 
 constexpr std::string_view kUseSpp = "use --spp N: a path tracer adds samples to one picture";
 constexpr std::string_view kUseFrames = "use --frames N: the realtime renderer makes frames";
@@ -74,7 +75,7 @@ const OptionSpec kOptions[] = {
     // Scene
     {.name = "--time", .section = "Scene", .commands = kTakesScene, .kind = ValueKind::Number, .value = "T", .fallback = "0",
      .help = "seconds on the scene's clock: where its animations stand", .min = 0, .max = 1e6},
-    {.name = "--animation", .section = "Scene", .commands = kTakesScene, .kind = ValueKind::Text, .value = "NAME|INDEX",
+    {.name = "--animation", .section = "Scene", .commands = kRender | kInfo, .kind = ValueKind::Text, .value = "NAME|INDEX",
      .help = "the animation of a glTF file to play (default: all that do not move the same things, the first winning)"},
     {.name = "--animate", .section = "Scene", .commands = kTakesScene, .kind = ValueKind::Text, .value = "NAME",
      .help = "the scripted edit of a built-in scene to play (`parhelion info` lists them)"},
@@ -97,6 +98,8 @@ const OptionSpec kOptions[] = {
     // Output
     {.name = "--out", .section = "Output", .commands = kRender | kMerge, .kind = ValueKind::File, .value = "F.exr|F.png",
      .help = "where the picture goes; give it again for a second format", .bits = kRepeats | kNotInPreset},
+    {.name = "--out", .section = "Output", .commands = kExport, .kind = ValueKind::File, .value = "F.glb|F.gltf",
+     .help = "where the scene goes; F.gltf brings F.bin and its images, named F-..., along", .bits = kNotInPreset},
     {.name = "--exr-type", .section = "Output", .commands = kRender | kMerge, .kind = ValueKind::Choice, .value = "TYPE",
      .fallback = "half",
      .help = "numbers in the EXR", .choices = "half|float"},
@@ -113,7 +116,7 @@ const OptionSpec kOptions[] = {
      .help = "time between two checkpoints", .bits = kNotInPreset, .renderers = kPathTracers, .instead = kPathTracersOnly},
     {.name = "--resume", .section = "Output", .commands = kRender, .help = "continue from the file of --checkpoint if it is there",
      .bits = kNotInPreset, .renderers = kPathTracers, .instead = kPathTracersOnly},
-    {.name = "--json", .section = "Output", .commands = kRender | kMerge | kBench, .kind = ValueKind::File, .value = "F",
+    {.name = "--json", .section = "Output", .commands = kRender | kMerge | kExport | kBench, .kind = ValueKind::File, .value = "F",
      .help = "write the numbers of the run as JSON; - is stdout", .bits = kNotInPreset},
     {.name = "--json", .section = "Output", .commands = kCompare | kDevices | kInfo | kSettings, .kind = ValueKind::File, .value = "F",
      .help = "print JSON; --json=F writes it to a file", .bits = kNotInPreset | kOptionalValue},
@@ -148,13 +151,11 @@ const OptionSpec kOptions[] = {
     {.name = "--max-relmse", .section = "Limits", .commands = kCompare, .kind = ValueKind::Number, .value = "X",
      .help = "exit with 4 if the relative mean squared error is larger", .min = 0, .max = 1e12},
 
-    // devices, info
+    // devices
     {.name = "--require", .section = "Options", .commands = kDevices, .help = "say what Parhelion needs of a device, and exit "
     "with 3 unless one has it all; the list says what each lacks"},
     {.name = "--measure", .section = "Options", .commands = kDevices,
      .help = "time every way to trace on the built-in Cornell box; `auto` itself never measures"},
-    {.name = "--export", .section = "Options", .commands = kInfo, .kind = ValueKind::File, .value = "F.glb",
-     .help = "write the scene as binary glTF", .bits = kAbsent},
 
     // bench
     {.name = "--scene", .section = "What runs", .commands = kBench, .kind = ValueKind::Text, .value = "SCENE",
@@ -203,6 +204,14 @@ const CommandSpec kCommands[] = {
      {"parhelion devices", "parhelion devices --require", "parhelion devices --json"}},
     {Command::Info, "info", "SCENE", 1, 1, "say what is in a scene", "",
      {"parhelion info scene.glb", "parhelion info builtin:cornell --json"}},
+    {Command::Export, "export", "SCENE", 1, 1, "write a scene as glTF 2.0",
+     "Writes all that the scene holds: geometry, materials and images as they were read, to the last bit, so that the file draws the same "
+     "picture. A glTF file is written at rest with its animations, skins and morph targets, and is not moved by --time; a built-in scene as it "
+     "stands at --time of --animate. glTF has no environment: --env lights the file again. The program warns of what is left out.\n\n"
+     "Files appear whole or not at all. F.gltf is written with F.bin and one F-NAME.png (.jpg, ...) an image beside it; files of these names "
+     "that are there already are replaced only together with F.gltf.",
+     {"parhelion export builtin:cornell --out cornell.glb", "parhelion export scene.glb --out folder/scene.gltf",
+      "parhelion export builtin:spheres --out spheres.glb --json numbers.json"}},
     {Command::Bench, "bench", "[SUITE]", 0, 1, "measure speed: scenes x renderers x ways to trace",
      "SUITE is quick (default), full, or replay (which share of a pass its rays alone take). Prints a table, and JSON with --json. "
      "Compare numbers of one device only.",

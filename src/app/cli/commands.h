@@ -17,6 +17,7 @@ int run_compare(const OptionValues& values);
 int run_merge(const OptionValues& values);
 int run_devices(const OptionValues& values);
 int run_info(const OptionValues& values);
+int run_export(const OptionValues& values);
 int run_bench(const OptionValues& values);
 int run_settings(const OptionValues& values);
 int run_help(const OptionValues& values);

@@ -30,6 +30,8 @@ int dispatch(const OptionValues& values) {
             return run_devices(values);
         case Command::Info:
             return run_info(values);
+        case Command::Export:
+            return run_export(values);
         case Command::Bench:
             return run_bench(values);
         case Command::Settings:
