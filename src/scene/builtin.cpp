@@ -41,15 +41,28 @@ Handle<Camera> add_camera(SceneEdit& edit, std::string name, glm::vec3 from, glm
     return edit.add(std::move(camera));
 }
 
-Handle<Node> add_object(SceneEdit& edit, std::string name, Primitive primitive, Handle<Material> material, const Transform& local,
-                        Handle<Node> parent) {
-    const Handle<Node> node = edit.add(Node{.name = name, .parent = parent, .local = local});
+namespace {
+
+Handle<Mesh> add_mesh(SceneEdit& edit, std::string name, Primitive primitive, Handle<Material> material) {
     primitive.material = material;
     order_triangles_by_median(primitive);
     Mesh mesh;
     mesh.name = std::move(name);
     mesh.primitives.push_back(std::move(primitive));
-    edit.add(Instance{.mesh = edit.add(std::move(mesh)), .place = {.node = node}});
+    return edit.add(std::move(mesh));
+}
+
+}  // namespace
+
+Handle<Instance> add_object(SceneEdit& edit, std::string name, Primitive primitive, Handle<Material> material, const Transform& local) {
+    const Handle<Node> node = edit.add(Node{.name = name, .local = local});
+    return edit.add(Instance{.mesh = add_mesh(edit, std::move(name), std::move(primitive), material), .place = {.node = node}});
+}
+
+Handle<Node> place_object(SceneEdit& edit, std::string name, Primitive primitive, Handle<Material> material, const Transform& local,
+                          Handle<Node> parent) {
+    const Handle<Node> node = edit.add(Node{.name = name, .parent = parent, .local = local});
+    edit.add(Instance{.mesh = add_mesh(edit, std::move(name), std::move(primitive), material), .place = {.node = node}});
     return node;
 }
 

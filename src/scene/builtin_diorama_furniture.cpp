@@ -14,8 +14,8 @@ Transform on_floor(glm::vec3 at, float yaw) {
 }
 
 void add_leg(Model& model, glm::vec3 top, glm::vec3 foot, float thick, float thin, Handle<Material> material) {
-    const glm::vec3 points[] = {top, glm::mix(top, foot, 0.5f), foot, foot - glm::vec3(0.0f, 0.0005f, 0.0f)};
-    const float radii[] = {thick, 0.5f * (thick + thin), thin, 0.0f};
+    const glm::vec3 points[] = {top, glm::mix(top, foot, 0.5f), foot};
+    const float radii[] = {thick, 0.5f * (thick + thin), thin};
     model.add(make_tube(points, radii, 14), material);
 }
 
@@ -168,7 +168,7 @@ void add_floor_lamp(SceneEdit& edit, const Palette& palette) {
     const Handle<Node> node = model.place(edit, "floor lamp", place);
     Material bulb = glossy("lamp bulb", {0.9f, 0.9f, 0.85f}, 0.0f, 0.5f);
     bulb.emission = glm::vec3(34000.0f, 22500.0f, 12000.0f);
-    add_object(edit, "lamp bulb", make_sphere(0.042f, 14, true), edit.add(std::move(bulb)), {.translation = {0.0f, 1.49f, 0.0f}}, node);
+    place_object(edit, "lamp bulb", make_sphere(0.042f, 14, true), edit.add(std::move(bulb)), {.translation = {0.0f, 1.49f, 0.0f}}, node);
 }
 
 Primitive make_book(float thickness, float height, float depth, uint32_t cover) {

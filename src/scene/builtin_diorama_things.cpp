@@ -113,7 +113,7 @@ void add_fairy_lights(SceneEdit& edit, const Palette& palette, DioramaHandles& h
             const glm::vec3 at = points[size_t(s)] - glm::vec3(0.0f, 0.024f, 0.0f);
             cord.add(make_cylinder(0.006f, 0.018f, 0.0015f, 10), palette.cord, placed(at + glm::vec3(0.0f, 0.008f, 0.0f)));
             const std::string name = fmt::format("bulb {}", handles.bulbs.size());
-            handles.bulbs.push_back(add_object(edit, name, bulb, palette.bulb, {.translation = at}));
+            handles.bulbs.push_back(place_object(edit, name, bulb, palette.bulb, {.translation = at}));
             handles.bulb_places.push_back(at);
         }
     }
@@ -131,7 +131,7 @@ void add_toys(SceneEdit& edit, const Palette& palette, DioramaHandles& handles) 
 Transform ball_at(double seconds) {
     const double way = 0.75 * (1.0 - std::cos(kTurn * seconds / 8.0)), radius = 0.105;
     const glm::dvec2 direction(-0.85, 0.53);
-    const glm::dvec2 at = glm::dvec2(0.98, 0.02) + way * direction;
+    const glm::dvec2 at = glm::dvec2(0.80, -0.12) + way * direction;
     const glm::quat rest = glm::angleAxis(0.9f, glm::normalize(glm::vec3(1.0f, 0.3f, 0.6f)));
     const glm::quat roll = glm::angleAxis(float(way / radius), glm::normalize(glm::vec3(direction.y, 0.0f, -direction.x)));
     return {.translation = {float(at.x), float(radius) + 0.012f, float(at.y)}, .rotation = roll * rest};
@@ -139,12 +139,12 @@ Transform ball_at(double seconds) {
 
 // Walks in a circle on the rug, once round in 12 seconds.
 Transform robot_at(double seconds) {
-    const double angle = kTurn * seconds / 12.0 + 0.35;
-    const glm::dvec3 middle(-0.35, 0.0125, 0.42);
+    const double angle = 2.2 - kTurn * seconds / 12.0;
+    const glm::dvec3 middle(-0.22, 0.0125, 0.16);
     Transform t;
-    t.translation = glm::vec3(middle + 0.4 * glm::dvec3(std::sin(angle), 0.0, std::cos(angle)));
+    t.translation = glm::vec3(middle + 0.34 * glm::dvec3(std::sin(angle), 0.0, std::cos(angle)));
     t.translation.y += float(0.004 * std::abs(std::sin(kTurn * seconds * 1.5)));
-    t.rotation = glm::angleAxis(float(angle + 0.25 * kTurn), glm::vec3(0.0f, 1.0f, 0.0f)) * glm::angleAxis(float(0.04 * std::sin(kTurn * seconds * 1.5)), glm::vec3(0.0f, 0.0f, 1.0f));
+    t.rotation = glm::angleAxis(float(angle - 0.25 * kTurn), glm::vec3(0.0f, 1.0f, 0.0f)) * glm::angleAxis(float(0.04 * std::sin(kTurn * seconds * 1.5)), glm::vec3(0.0f, 0.0f, 1.0f));
     return t;
 }
 

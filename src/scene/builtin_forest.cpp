@@ -17,6 +17,7 @@ namespace {
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr uint32_t kSeed = 1887u;
 constexpr float kGoldenAngle = 2.39996323f;
+constexpr float kSpacing = 2.7f;  // metres between trees, about
 constexpr uint64_t kDefaultTriangles = 200'000;
 
 struct Plan {
@@ -34,7 +35,7 @@ Plan plan_forest(uint64_t triangles) {
     plan.tree_triangles = triangles > ground ? triangles - ground : 0;
     const double each = std::clamp(8.0 * std::sqrt(double(triangles)), 500.0, 20'000.0);
     plan.trees = uint32_t(std::max(1.0, std::round(double(plan.tree_triangles) / each)));
-    plan.radius = 3.4f * std::sqrt(float(plan.trees) + 3.0f);
+    plan.radius = kSpacing * std::sqrt(float(plan.trees) + 3.0f);
     return plan;
 }
 
@@ -160,14 +161,14 @@ void grow_wood(Tree& tree, uint64_t budget) {
 // Cards on the outer part of the limbs, smaller where there are more of them, so that a fine tree is not a denser one.
 void grow_leaves(Tree& tree, uint64_t cards) {
     Random& random = tree.random;
-    const float area = (tree.conifer ? 1.1f : 1.9f) * tree.height * tree.height;
+    const float area = (tree.conifer ? 2.2f : 3.6f) * tree.height * tree.height;
     const float size = std::clamp(std::sqrt(area / float(std::max<uint64_t>(cards, 1))), 0.05f, 1.5f);
     tree.leaves.positions.reserve(4 * cards);
     tree.leaves.uv0.reserve(4 * cards);
     tree.leaves.triangles.reserve(2 * cards);
     for (uint64_t i = 0; i < cards; ++i) {
         const std::vector<glm::vec3>& limb = tree.limbs[random.below(uint32_t(tree.limbs.size()))];
-        const float at = (1.0f - 0.8f * random.unit() * random.unit()) * float(limb.size() - 1);
+        const float at = (1.0f - 0.9f * random.unit() * random.unit()) * float(limb.size() - 1);
         const size_t knot = std::min(size_t(at), limb.size() - 2);
         const glm::vec3 along = glm::normalize(limb[knot + 1] - limb[knot]);
         const glm::vec3 drift(random.range(-1.0f, 1.0f), random.range(-1.0f, 1.0f), random.range(-1.0f, 1.0f));
@@ -208,7 +209,7 @@ Environment forest_sky() {
     Environment sky{.name = "forest sky", .width = 16, .height = 64, .scale = glm::vec3(1.0f)};
     for (uint32_t row = 0; row < sky.height; ++row) {
         const float up = std::cos(float(std::numbers::pi) * (float(row) + 0.5f) / float(sky.height));
-        const glm::vec3 nits = up < 0.0f ? glm::vec3(500.0f, 480.0f, 350.0f) : glm::mix(glm::vec3(6500.0f, 6800.0f, 7000.0f), glm::vec3(1700.0f, 2900.0f, 5200.0f), std::sqrt(up));
+        const glm::vec3 nits = up < 0.0f ? glm::vec3(500.0f, 480.0f, 350.0f) : glm::mix(glm::vec3(5200.0f, 6200.0f, 7000.0f), glm::vec3(1300.0f, 2600.0f, 5400.0f), std::sqrt(up));
         sky.radiance.insert(sky.radiance.end(), sky.width, nits);
     }
     return sky;
@@ -236,7 +237,7 @@ LoadedScene make_forest(const BuiltinOptions& options) {
     const Plan plan = plan_forest(options.triangles == 0 ? kDefaultTriangles : options.triangles);
     SceneEdit edit;
     const Materials materials = add_materials(edit);
-    add_object(edit, "ground", make_ground(plan), materials.ground);
+    place_object(edit, "ground", make_ground(plan), materials.ground);
 
     std::vector<Mesh> meshes(plan.trees);
     const auto share = [&](uint64_t i) { return uint64_t(double(plan.tree_triangles) / plan.trees * double(i)); };
@@ -247,7 +248,7 @@ LoadedScene make_forest(const BuiltinOptions& options) {
     std::vector<Place> places;
     for (uint32_t i = 0; i < plan.trees; ++i) {
         Random random(kSeed + 1u, i);
-        const float r = 3.4f * std::sqrt(float(i) + 3.0f) + random.range(-0.9f, 0.9f), angle = kGoldenAngle * float(i) + random.range(-1.0f, 1.0f) / r;
+        const float r = kSpacing * std::sqrt(float(i) + 3.0f) + random.range(-0.9f, 0.9f), angle = kGoldenAngle * float(i) + random.range(-1.0f, 1.0f) / r;
         const glm::vec2 p(r * std::cos(angle), r * std::sin(angle));
         const Place place{{}, {p.x, ground_height(p), p.y}, random.range(0.0f, float(kTurn))};
         const Transform local{.translation = place.at, .rotation = glm::angleAxis(place.turn, glm::vec3(0.0f, 1.0f, 0.0f))};

@@ -61,8 +61,9 @@ struct DarkBox {
     float wall;  // metres
     float x;     // of its middle
     const char* name;
+    glm::vec3 albedo;
 };
-constexpr DarkBox kDarkBoxes[] = {{0.01f, -1.8f, "1 cm"}, {0.05f, 0.0f, "5 cm"}, {0.20f, 1.8f, "20 cm"}};
+constexpr DarkBox kDarkBoxes[] = {{0.01f, -1.8f, "1 cm", {0.65f, 0.35f, 0.22f}}, {0.05f, 0.0f, "5 cm", {0.70f, 0.58f, 0.30f}}, {0.20f, 1.8f, "20 cm", {0.25f, 0.42f, 0.52f}}};
 constexpr float kBoxZ = -1.2f, kHalfCavity = 0.5f;
 constexpr glm::vec2 kHoleMin(-0.25f, 0.15f), kHoleMax(0.25f, 0.85f);
 
@@ -94,7 +95,7 @@ Handle<Node> add_door(SceneEdit& edit, const DarkBox& box, Handle<Material> mate
     shut = {.translation = {box.x + kHoleMin.x - margin, low.y + kHoleMin.y - margin, front - 0.005f}};
     Primitive slab;
     add_box(slab, glm::vec3(0.0f), {kHoleMax.x - kHoleMin.x + 2.0f * margin, kHoleMax.y - kHoleMin.y + 2.0f * margin, 0.04f});
-    return add_object(edit, "door", std::move(slab), material, shut);
+    return place_object(edit, "door", std::move(slab), material, shut);
 }
 
 }  // namespace
@@ -106,12 +107,12 @@ LoadedScene make_leak_box(const BuiltinOptions&) {
     Primitive room;
     add_box(room, kRoomMin, kRoomMax, Facing::In);
     add_box(room, kRoomMin - 0.2f, kRoomMax + 0.2f);
-    add_object(edit, "room", std::move(room), white);
+    place_object(edit, "room", std::move(room), white);
     const glm::vec3 nits(1000.0f, 940.0f, 850.0f);
     const Handle<Material> glow = edit.add(lambert("lamp", glm::vec3(0.5f), nits));
     Primitive lamp;
     add_quad(lamp, {-0.8f, 2.98f, -0.8f}, {1.6f, 0.0f, 0.0f}, {0.0f, 0.0f, 1.6f});
-    add_object(edit, "lamp", std::move(lamp), glow);
+    place_object(edit, "lamp", std::move(lamp), glow);
 
     add_camera(edit, "outside", {0.6f, 1.7f, 2.35f}, {0.0f, 0.75f, -1.2f}, glm::radians(60.0f));
     Handle<Node> door;
@@ -119,9 +120,9 @@ LoadedScene make_leak_box(const BuiltinOptions&) {
     for (const DarkBox& box : kDarkBoxes) {
         const bool has_door = box.wall == 0.05f;
         const glm::vec3 low = cavity_min(box);
-        add_object(edit, box.name, make_dark_box(box, has_door), white);
+        place_object(edit, box.name, make_dark_box(box, has_door), edit.add(lambert(box.name, box.albedo)));
         if (has_door) door = add_door(edit, box, gray, shut);
-        add_object(edit, fmt::format("ball in {}", box.name), make_sphere(0.15f, 12, true), gray, {.translation = low + glm::vec3(0.7f, 0.16f, 0.35f)});
+        place_object(edit, fmt::format("ball in {}", box.name), make_sphere(0.15f, 12, true), gray, {.translation = low + glm::vec3(0.7f, 0.16f, 0.35f)});
         add_camera(edit, fmt::format("inside {}", box.name), low + glm::vec3(0.15f, 0.8f, 0.12f), low + glm::vec3(0.55f, 0.4f, 0.8f), glm::radians(75.0f));
     }
 

@@ -25,7 +25,7 @@ void add_field(SceneEdit& edit) {
                                            ColorSpace::Srgb, {.mag = Filter::Nearest});
     Primitive ground;
     add_textured_quad(ground, {-kHalfField, 0.0f, kHalfField}, {2.0f * kHalfField, 0.0f, 0.0f}, {0.0f, 0.0f, -2.0f * kHalfField}, glm::vec2(100.0f));
-    add_object(edit, "field", std::move(ground), edit.add(std::move(field)));
+    place_object(edit, "field", std::move(ground), edit.add(std::move(field)));
 }
 
 // Cubes of 64 materials, placed 8,000 times.
@@ -64,7 +64,7 @@ std::vector<Lamp> add_lamps(SceneEdit& edit, Random& random) {
         const glm::vec3 nits(random.range(0.0f, 60000.0f), random.range(0.0f, 60000.0f), random.range(0.0f, 60000.0f));
         const std::string name = fmt::format("light {}", i);
         const Handle<Material> material = edit.add(lambert(name, glm::vec3(0.5f), nits));
-        lamps.push_back({add_object(edit, name, sphere, material, {.translation = at}), material, at, random.unit()});
+        lamps.push_back({place_object(edit, name, sphere, material, {.translation = at}), material, at, random.unit()});
     }
     return lamps;
 }
@@ -77,8 +77,8 @@ LoadedScene make_many_lights(const BuiltinOptions&) {
     add_field(edit);
     add_boxes(edit, random);
     std::vector<Lamp> lamps = add_lamps(edit, random);
+    add_camera(edit, "near", {-7.0f, 5.5f, 34.0f}, {4.0f, 2.5f, -10.0f}, glm::radians(55.0f));
     add_camera(edit, "far", {0.0f, 130.0f, 430.0f}, {0.0f, 0.0f, 30.0f}, glm::radians(45.0f));
-    add_camera(edit, "near", {-6.0f, 2.2f, 31.0f}, {8.0f, 2.0f, -20.0f}, glm::radians(55.0f));
     add_camera(edit, "above", {0.0f, 60.0f, 0.01f}, {0.0f, 0.0f, 0.0f}, glm::radians(60.0f));
 
     LoadedScene out;

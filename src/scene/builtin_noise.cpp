@@ -45,12 +45,12 @@ TextureRef add_texture(SceneEdit& edit, Image image, ColorSpace space, const Sam
 float value_noise(glm::vec2 p, glm::ivec2 period, uint32_t seed) {
     const glm::vec2 cell = glm::floor(p), f = p - cell;
     const glm::vec2 s = f * f * f * (f * (f * 6.0f - 15.0f) + 10.0f);
-    const auto wrap = [](int i, int n) { return uint32_t((i % n + n) % n); };
-    const auto at = [&](int dx, int dy) {
-        const uint32_t x = wrap(int(cell.x) + dx, period.x), y = wrap(int(cell.y) + dy, period.y);
-        return float(hash_u32(x + hash_u32(y ^ seed * 0x9e3779b9u)) >> 8) * 0x1p-24f;
-    };
-    return glm::mix(glm::mix(at(0, 0), at(1, 0), s.x), glm::mix(at(0, 1), at(1, 1), s.x), s.y);
+    const auto wrap = [](int i, int n) { return uint32_t(i >= 0 ? i % n : n - 1 - (-1 - i) % n); };
+    const uint32_t x0 = wrap(int(cell.x), period.x), x1 = x0 + 1 == uint32_t(period.x) ? 0 : x0 + 1;
+    const uint32_t y0 = wrap(int(cell.y), period.y), y1 = y0 + 1 == uint32_t(period.y) ? 0 : y0 + 1;
+    const uint32_t row0 = hash_u32(y0 ^ seed * 0x9e3779b9u), row1 = hash_u32(y1 ^ seed * 0x9e3779b9u);
+    const auto at = [](uint32_t x, uint32_t row) { return float(hash_u32(x + row) >> 8) * 0x1p-24f; };
+    return glm::mix(glm::mix(at(x0, row0), at(x1, row0), s.x), glm::mix(at(x0, row1), at(x1, row1), s.x), s.y);
 }
 
 float fractal_noise(glm::vec2 p, glm::ivec2 period, uint32_t octaves, uint32_t seed) {

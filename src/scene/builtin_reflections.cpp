@@ -24,9 +24,9 @@ void add_hall(SceneEdit& edit) {
     add_quad(ends, {kHallMin.x, kHallMax.y, kHallMin.z}, x, z);
     add_quad(left, {kHallMin.x, 0.0f, kHallMax.z}, -z, y);
     add_quad(right, {kHallMax.x, 0.0f, kHallMin.z}, z, y);
-    add_object(edit, "ends and ceiling", std::move(ends), wall);
-    add_object(edit, "left wall", std::move(left), warm);
-    add_object(edit, "right wall", std::move(right), cool);
+    place_object(edit, "ends and ceiling", std::move(ends), wall);
+    place_object(edit, "left wall", std::move(left), warm);
+    place_object(edit, "right wall", std::move(right), cool);
 
     Material tiles = glossy("floor", glm::vec3(1.0f), 0.0f, 0.12f);
     tiles.base_color_texture = add_texture(edit,
@@ -40,7 +40,7 @@ void add_hall(SceneEdit& edit) {
                                            ColorSpace::Srgb);
     Primitive floor;
     add_textured_quad(floor, {kHallMin.x, 0.0f, kHallMax.z}, x, -z, {6.0f, 7.0f});
-    add_object(edit, "floor", std::move(floor), edit.add(std::move(tiles)));
+    place_object(edit, "floor", std::move(floor), edit.add(std::move(tiles)));
 }
 
 // Silver, gold and lacquer, each in five roughnesses.
@@ -55,7 +55,7 @@ void add_samples(SceneEdit& edit) {
         for (int column = 0; column < 5; ++column) {
             const std::string name = fmt::format("{} roughness {:g}", kinds[row].name, kRoughness[column]);
             const glm::vec3 at(-3.2f + 1.6f * float(column), 0.55f, -1.6f + 1.7f * float(row));
-            add_object(edit, name, sphere, edit.add(glossy(name, kinds[row].color, kinds[row].metallic, kRoughness[column])), {.translation = at});
+            place_object(edit, name, sphere, edit.add(glossy(name, kinds[row].color, kinds[row].metallic, kRoughness[column])), {.translation = at});
         }
 }
 
@@ -63,10 +63,10 @@ void add_samples(SceneEdit& edit) {
 Handle<Node> add_mirror(SceneEdit& edit, const std::string& name, glm::vec2 size, float roughness, Handle<Material> frame, const Transform& local) {
     const Handle<Node> node = edit.add(Node{.name = name, .local = local});
     Primitive back = make_rounded_box({size.x + 0.2f, size.y + 0.2f, 0.1f}, 0.02f);
-    add_object(edit, name + " frame", std::move(back), frame, {.translation = {0.0f, 0.5f * size.y + 0.1f, -0.052f}}, node);
+    place_object(edit, name + " frame", std::move(back), frame, {.translation = {0.0f, 0.5f * size.y + 0.1f, -0.052f}}, node);
     Primitive sheet;
     add_textured_quad(sheet, {-0.5f * size.x, 0.1f, 0.0f}, {size.x, 0.0f, 0.0f}, {0.0f, size.y, 0.0f});
-    add_object(edit, name + " sheet", std::move(sheet), edit.add(glossy(name, {0.93f, 0.94f, 0.93f}, 1.0f, roughness)), {}, node);
+    place_object(edit, name + " sheet", std::move(sheet), edit.add(glossy(name, {0.93f, 0.94f, 0.93f}, 1.0f, roughness)), {}, node);
     return node;
 }
 
@@ -91,7 +91,7 @@ Moving add_things(SceneEdit& edit) {
     moving.lamp = edit.add(lambert("ceiling lamp", glm::vec3(0.7f), {40000.0f, 38000.0f, 34000.0f}));
     Primitive lamp;
     add_quad(lamp, {-1.75f, 7.98f, -1.75f}, {3.5f, 0.0f, 0.0f}, {0.0f, 0.0f, 3.5f});
-    add_object(edit, "ceiling lamp", std::move(lamp), moving.lamp);
+    place_object(edit, "ceiling lamp", std::move(lamp), moving.lamp);
 
     moving.panel = add_mirror(edit, "sliding mirror", {5.0f, 4.0f}, 0.0f, frame, turned({0.0f, 0.0f, -7.5f}, 0.0f));
     // Two mirrors that face each other: each is seen in the other, again and again.
@@ -101,9 +101,9 @@ Moving add_things(SceneEdit& edit) {
 
     // Behind the camera and above it: seen in mirrors.
     Primitive ring = make_torus(0.9f, 0.12f, 48, 16);
-    add_object(edit, "glowing ring", std::move(ring), edit.add(lambert("glow", glm::vec3(0.2f), {3000.0f, 14000.0f, 20000.0f})),
+    place_object(edit, "glowing ring", std::move(ring), edit.add(lambert("glow", glm::vec3(0.2f), {3000.0f, 14000.0f, 20000.0f})),
                {.translation = {-2.0f, 5.2f, 8.8f}, .rotation = glm::angleAxis(glm::radians(80.0f), glm::vec3(1.0f, 0.0f, 0.0f))});
-    moving.cube = add_object(edit, "cube", make_rounded_box(glm::vec3(1.1f), 0.06f, 3), edit.add(glossy("copper", {0.95f, 0.58f, 0.42f}, 1.0f, 0.12f)));
+    moving.cube = place_object(edit, "cube", make_rounded_box(glm::vec3(1.1f), 0.06f, 3), edit.add(glossy("copper", {0.95f, 0.58f, 0.42f}, 1.0f, 0.12f)));
 
     Material stripes = glossy("ball", glm::vec3(1.0f), 0.0f, 0.24f);
     stripes.base_color_texture = add_texture(edit,
@@ -112,7 +112,7 @@ Moving add_things(SceneEdit& edit) {
                                                             return int(u * 4.0f) % 2 == 0 ? glm::vec4(0.93f, 0.90f, 0.80f, 1.0f) : glm::vec4(0.85f, 0.42f, 0.08f, 1.0f);
                                                         }),
                                              ColorSpace::Srgb);
-    moving.ball = add_object(edit, "ball", make_ball(), edit.add(std::move(stripes)));
+    moving.ball = place_object(edit, "ball", make_ball(), edit.add(std::move(stripes)));
     return moving;
 }
 

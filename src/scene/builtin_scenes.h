@@ -8,9 +8,11 @@ namespace parhelion::builtin {
 Material lambert(std::string name, glm::vec3 albedo, glm::vec3 emission = glm::vec3(0.0f));
 Handle<Camera> add_camera(SceneEdit& edit, std::string name, glm::vec3 from, glm::vec3 at, float yfov);
 Material glossy(std::string name, glm::vec3 color, float metallic, float roughness);
-// A mesh of one primitive, on a node of its own, which is returned.
-Handle<Node> add_object(SceneEdit& edit, std::string name, Primitive primitive, Handle<Material> material, const Transform& local = {},
-                        Handle<Node> parent = {});
+// A mesh of one primitive, on a node of its own.
+Handle<Instance> add_object(SceneEdit& edit, std::string name, Primitive primitive, Handle<Material> material, const Transform& local = {});
+// The same for what is moved later: returns the node.
+Handle<Node> place_object(SceneEdit& edit, std::string name, Primitive primitive, Handle<Material> material, const Transform& local = {},
+                          Handle<Node> parent = {});
 
 LoadedScene make_cornell(const BuiltinOptions& options);
 LoadedScene make_furnace(const BuiltinOptions& options);

@@ -132,12 +132,12 @@ TextureRef add_rug(SceneEdit& edit) {
 // Hills behind hills towards an evening sun over a lake.
 TextureRef add_painting(SceneEdit& edit) {
     const auto pixel = [](float u, float v) {
-        glm::vec3 color = glm::mix(glm::vec3(0.22f, 0.38f, 0.58f), glm::vec3(0.97f, 0.78f, 0.52f), std::pow(glm::clamp(v / 0.6f, 0.0f, 1.0f), 1.3f));
+        glm::vec3 color = glm::mix(glm::vec3(0.40f, 0.58f, 0.76f), glm::vec3(1.0f, 0.84f, 0.60f), std::pow(glm::clamp(v / 0.6f, 0.0f, 1.0f), 1.3f));
         const float sun = std::hypot((u - 0.64f) * 1.33f, v - 0.42f);
         color = glm::mix(color, glm::vec3(1.0f, 0.93f, 0.72f), band(sun, 0.065f, 0.006f) + 0.5f * std::exp(-sun * 7.0f));
         const float cloud = fractal_noise({u * 6.0f, v * 22.0f}, {6, 22}, 4, 51u);
         color = glm::mix(color, glm::vec3(0.96f, 0.66f, 0.56f), 0.6f * glm::smoothstep(0.52f, 0.75f, cloud) * glm::smoothstep(0.55f, 0.2f, v));
-        const glm::vec3 hills[4] = {{0.52f, 0.52f, 0.62f}, {0.38f, 0.44f, 0.52f}, {0.24f, 0.36f, 0.36f}, {0.15f, 0.24f, 0.18f}};
+        const glm::vec3 hills[4] = {{0.66f, 0.64f, 0.72f}, {0.50f, 0.56f, 0.62f}, {0.36f, 0.50f, 0.46f}, {0.27f, 0.38f, 0.26f}};
         for (int i = 0; i < 4; ++i) {
             const float line = 0.47f + 0.07f * float(i) - 0.16f * (fractal_noise({u * float(2 + i) + 3.7f * float(i), 0.5f}, {64, 1}, 4, 60u + uint32_t(i)) - 0.5f) * (1.0f + 0.4f * float(i));
             if (v > line) color = glm::mix(hills[i], hills[i] * 0.8f, glm::clamp((v - line) * 4.0f, 0.0f, 1.0f));
@@ -205,7 +205,7 @@ TextureRef add_book_spines(SceneEdit& edit) {
 TextureRef add_broad_leaf(SceneEdit& edit, glm::vec3 color, const std::string& name) {
     const auto pixel = [=](float u, float v) {
         const float along = 1.0f - v, x = u - 0.5f;
-        const float width = 0.46f * std::pow(std::sin(0.5f * kTurn * std::pow(along, 0.8f)), 0.75f);
+        const float width = 0.46f * std::pow(std::max(0.0f, std::sin(0.5f * kTurn * std::pow(along, 0.8f))), 0.75f);
         const float veins = band(fraction(along * 9.0f - 6.0f * std::abs(x)) - 0.5f, 0.05f, 0.04f) * glm::smoothstep(0.0f, 0.1f, width);
         const float rib = band(x, 0.012f + 0.01f * v, 0.008f);
         const float patches = fractal_noise({u * 6.0f, v * 6.0f}, {6, 6}, 4, 111u);

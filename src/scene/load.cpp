@@ -18,10 +18,36 @@ std::string file_hint(const std::filesystem::path& path) {
     return "SCENE is a .gltf or .glb file, or builtin:NAME";
 }
 
+// Puts the scene into the state that its scripted edit has at options.time.
+void animate(LoadedScene& loaded, const LoadOptions& options) {
+    std::string names;
+    for (const ScriptedEdit& edit : loaded.scripted_edits) {
+        if (edit.name == options.animate) {
+            loaded.scene.apply(edit.apply(options.time));
+            return;
+        }
+        names += (names.empty() ? "" : ", ") + edit.name;
+    }
+    throw Error(ErrorCode::Usage, fmt::format("{} has no scripted edit '{}'", loaded.scene.source().name, escape_name(options.animate)), "--animate",
+                names.empty() ? "it has none" : "it has " + names);
+}
+
+LoadedScene load_builtin(const std::string& name, const LoadOptions& options) {
+    try {
+        LoadedScene loaded = make_builtin(name, options.builtin);
+        if (!options.animate.empty()) animate(loaded, options);
+        return loaded;
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorCode::Failed, "does not fit into the memory of this machine", escape_name(name));
+    }
+}
+
 }  // namespace
 
 LoadedScene load_scene(const std::string& name, const LoadOptions& options) {
-    if (is_builtin(name)) return make_builtin(name, options.builtin);
+    if (is_builtin(name)) return load_builtin(name, options);
+    if (!options.animate.empty())
+        throw Error(ErrorCode::Usage, "scripted edits belong to built-in scenes", "--animate", "--animation plays an animation of a glTF file");
     const std::filesystem::path path(name);
     const std::string shown = escape_name(name);
     std::error_code ec;

@@ -95,8 +95,9 @@ Primitive make_lathe(std::span<const glm::vec2> profile, uint32_t segments) {
         const uint32_t base = uint32_t(lathe.positions.size());
         for (const size_t end : {size_t(0), size_t(1)}) {
             glm::vec2 d = direction(i);
-            const size_t other = end == 0 ? i - 1 : i + 1;  // wraps below 0
-            if (other + 1 < profile.size() && glm::dot(direction(other), d) > sharp) d = glm::normalize(d + direction(other));
+            const bool bends = end == 0 ? i > 0 : i + 2 < profile.size();
+            const glm::vec2 other = bends ? direction(end == 0 ? i - 1 : i + 1) : d;
+            if (glm::dot(other, d) > sharp) d = glm::normalize(d + other);
             const glm::vec2 at = profile[i + end];
             if (end == 1) along += glm::length(profile[i + 1] - profile[i]);
             for (uint32_t s = 0; s <= segments; ++s) {
