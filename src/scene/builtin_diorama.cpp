@@ -10,16 +10,16 @@ namespace {
 
 // A clear evening outside of the window (-X), low hills, and the dim warm rest of the house behind the camera (+Z).
 Environment evening() {
-    Environment sky{.name = "evening", .width = 128, .height = 64, .scale = glm::vec3(1.0f)};
+    Environment sky{.name = "evening", .width = 512, .height = 256, .scale = glm::vec3(1.0f)};
     constexpr double kPi = std::numbers::pi;
     for (uint32_t y = 0; y < sky.height; ++y)
         for (uint32_t x = 0; x < sky.width; ++x) {
             const double theta = kPi * (y + 0.5) / sky.height, phi = 2.0 * kPi * ((x + 0.5) / sky.width - 0.5);
             const glm::dvec3 d(std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi));
             const double hills = 0.05 + 0.03 * std::sin(5.0 * phi) + 0.015 * std::sin(13.0 * phi + 1.0);
-            glm::dvec3 outside = glm::mix(glm::dvec3(760.0, 690.0, 600.0), glm::dvec3(150.0, 265.0, 480.0), std::sqrt(std::clamp(1.6 * d.y, 0.0, 1.0)));
-            if (d.y < hills) outside = glm::mix(glm::dvec3(120.0, 135.0, 120.0), glm::dvec3(50.0, 60.0, 28.0), std::clamp(-4.0 * d.y, 0.0, 1.0));
-            const glm::dvec3 house(48.0, 40.0, 31.0);
+            glm::dvec3 outside = glm::mix(glm::dvec3(470.0, 425.0, 360.0), glm::dvec3(105.0, 185.0, 340.0), std::sqrt(std::clamp(1.6 * d.y, 0.0, 1.0)));
+            if (d.y < hills) outside = glm::mix(glm::dvec3(95.0, 110.0, 100.0), glm::dvec3(45.0, 58.0, 25.0), std::clamp(-4.0 * d.y, 0.0, 1.0));
+            const glm::dvec3 house(62.0, 53.0, 42.0);
             sky.radiance.emplace_back(glm::mix(outside, house, glm::smoothstep(-0.45, 0.1, d.x)));
         }
     return sky;
@@ -28,15 +28,15 @@ Environment evening() {
 void add_sun(SceneEdit& edit) {
     const glm::vec3 shines = glm::normalize(glm::vec3(0.80f, -0.50f, 0.05f));
     const Handle<Node> node = edit.add(Node{.name = "sun", .local = {.rotation = glm::quatLookAt(shines, glm::vec3(0.0f, 1.0f, 0.0f))}});
-    edit.add(Light{.name = "sun", .kind = LightKind::Directional, .color = {1.0f, 0.74f, 0.46f}, .intensity = 4300.0f, .angular_radius = 0.00465f, .place = {.node = node}});
+    edit.add(Light{.name = "sun", .kind = LightKind::Directional, .color = {1.0f, 0.74f, 0.46f}, .intensity = 3700.0f, .angular_radius = 0.00465f, .place = {.node = node}});
 }
 
 void add_cameras(SceneEdit& edit) {
-    add_camera(edit, "nook", {0.85f, 1.36f, 2.70f}, {-0.19f, 0.77f, -0.9f}, glm::radians(41.0f));
+    add_camera(edit, "nook", {0.85f, 1.36f, 2.72f}, {-0.19f, 0.84f, -0.9f}, glm::radians(41.0f));
     add_camera(edit, "table", {-0.35f, 0.88f, 0.55f}, {-1.0f, 0.56f, -0.40f}, glm::radians(36.0f));
     add_camera(edit, "window", {0.75f, 1.25f, 0.1f}, {-2.1f, 1.3f, -0.55f}, glm::radians(48.0f));
     add_camera(edit, "shelf", {0.55f, 1.35f, 0.6f}, {1.55f, 1.15f, -1.7f}, glm::radians(48.0f));
-    add_camera(edit, "robot", {0.42f, 0.33f, 1.35f}, {-0.25f, 0.16f, 0.5f}, glm::radians(38.0f));
+    add_camera(edit, "robot", {0.50f, 0.34f, 0.85f}, {0.08f, 0.19f, -0.05f}, glm::radians(38.0f));
 }
 
 void add_moving(LoadedScene& out, const DioramaHandles& handles) {

@@ -167,7 +167,7 @@ void add_floor_lamp(SceneEdit& edit, const Palette& palette) {
     const Transform place = on_floor({0.72f, 0.0f, -1.36f}, 10.0f);
     const Handle<Node> node = model.place(edit, "floor lamp", place);
     Material bulb = glossy("lamp bulb", {0.9f, 0.9f, 0.85f}, 0.0f, 0.5f);
-    bulb.emission = glm::vec3(34000.0f, 22500.0f, 12000.0f);
+    bulb.emission = glm::vec3(54000.0f, 35500.0f, 18500.0f);
     place_object(edit, "lamp bulb", make_sphere(0.042f, 14, true), edit.add(std::move(bulb)), {.translation = {0.0f, 1.49f, 0.0f}}, node);
 }
 

@@ -87,10 +87,10 @@ TextureRef add_stripes(SceneEdit& edit) {
 }
 
 void add_lights(PaletteMaker& make, SceneEdit& edit) {
-    make.palette.bulb = make.glowing("fairy bulb", glm::vec3(0.9f, 0.8f, 0.6f), glm::vec3(5200.0f, 3300.0f, 1500.0f));
+    make.palette.bulb = make.glowing("fairy bulb", glm::vec3(0.9f, 0.8f, 0.6f), glm::vec3(7500.0f, 4700.0f, 2100.0f));
     make.palette.toy_eye = make.glowing("robot eye", glm::vec3(0.2f, 0.5f, 0.6f), glm::vec3(200.0f, 900.0f, 1100.0f));
     Material shade = glossy("lamp shade", {0.85f, 0.78f, 0.65f}, 0.0f, 0.9f);
-    shade.emission = glm::vec3(1150.0f, 760.0f, 400.0f);
+    shade.emission = glm::vec3(1300.0f, 850.0f, 440.0f);
     shade.emissive_texture = add_shade_glow(edit);
     shade.emissive_texture.scale = {1.0f, 1.0f / 0.33f};
     shade.double_sided = true;
@@ -114,7 +114,7 @@ Palette add_palette(SceneEdit& edit) {
     PaletteMaker make(edit);
     Palette& p = make.palette;
     p.floor = make.mapped("oak floor", add_plank_floor(edit), 2.4f, 0.4f);
-    p.plaster = make.mapped("plaster", add_plaster(edit, {0.50f, 0.575f, 0.54f}), 1.2f, 0.9f, 0.7f);
+    p.plaster = make.mapped("plaster", add_plaster(edit, {0.575f, 0.64f, 0.595f}), 1.2f, 0.9f, 0.7f);
     p.paint = make.plain("white paint", {0.76f, 0.73f, 0.66f}, 0.5f);
     p.ceiling = make.plain("ceiling", {0.78f, 0.76f, 0.71f}, 0.9f);
     p.walnut = make.mapped("walnut", add_wood(edit, {0.47f, 0.30f, 0.19f}, {0.22f, 0.12f, 0.07f}, "walnut grain"), 0.6f, 0.5f);
