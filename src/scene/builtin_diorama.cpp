@@ -17,8 +17,10 @@ Environment evening() {
             const double theta = kPi * (y + 0.5) / sky.height, phi = 2.0 * kPi * ((x + 0.5) / sky.width - 0.5);
             const glm::dvec3 d(std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi));
             const double hills = 0.05 + 0.03 * std::sin(5.0 * phi) + 0.015 * std::sin(13.0 * phi + 1.0);
-            glm::dvec3 outside = glm::mix(glm::dvec3(470.0, 425.0, 360.0), glm::dvec3(105.0, 185.0, 340.0), std::sqrt(std::clamp(1.6 * d.y, 0.0, 1.0)));
-            if (d.y < hills) outside = glm::mix(glm::dvec3(95.0, 110.0, 100.0), glm::dvec3(45.0, 58.0, 25.0), std::clamp(-4.0 * d.y, 0.0, 1.0));
+            glm::dvec3 outside =
+                glm::mix(glm::dvec3(470.0, 425.0, 360.0), glm::dvec3(105.0, 185.0, 340.0), std::sqrt(std::clamp(1.6 * d.y, 0.0, 1.0)));
+            if (d.y < hills)
+                outside = glm::mix(glm::dvec3(95.0, 110.0, 100.0), glm::dvec3(45.0, 58.0, 25.0), std::clamp(-4.0 * d.y, 0.0, 1.0));
             const glm::dvec3 house(62.0, 53.0, 42.0);
             sky.radiance.emplace_back(glm::mix(outside, house, glm::smoothstep(-0.45, 0.1, d.x)));
         }
@@ -28,7 +30,12 @@ Environment evening() {
 void add_sun(SceneEdit& edit) {
     const glm::vec3 shines = glm::normalize(glm::vec3(0.80f, -0.50f, 0.05f));
     const Handle<Node> node = edit.add(Node{.name = "sun", .local = {.rotation = glm::quatLookAt(shines, glm::vec3(0.0f, 1.0f, 0.0f))}});
-    edit.add(Light{.name = "sun", .kind = LightKind::Directional, .color = {1.0f, 0.74f, 0.46f}, .intensity = 3700.0f, .angular_radius = 0.00465f, .place = {.node = node}});
+    edit.add(Light{.name = "sun",
+                   .kind = LightKind::Directional,
+                   .color = {1.0f, 0.74f, 0.46f},
+                   .intensity = 3700.0f,
+                   .angular_radius = 0.00465f,
+                   .place = {.node = node}});
 }
 
 void add_cameras(SceneEdit& edit) {
@@ -46,14 +53,15 @@ void add_moving(LoadedScene& out, const DioramaHandles& handles) {
                                       return step;
                                   }});
     const Transform shut = out.scene.get(handles.door).local;
-    out.scripted_edits.push_back({"door", "the left door of the cupboard opens and shuts, once in 6 seconds", [node = handles.door, shut](double seconds) {
-                                      const double open = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * seconds / 6.0);
-                                      Transform local = shut;
-                                      local.rotation = glm::angleAxis(float(glm::radians(-115.0) * open), glm::vec3(0.0f, 1.0f, 0.0f));
-                                      SceneEdit step;
-                                      step.set_transform(node, local);
-                                      return step;
-                                  }});
+    out.scripted_edits.push_back(
+        {"door", "the left door of the cupboard opens and shuts, once in 6 seconds", [node = handles.door, shut](double seconds) {
+             const double open = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * seconds / 6.0);
+             Transform local = shut;
+             local.rotation = glm::angleAxis(float(glm::radians(-115.0) * open), glm::vec3(0.0f, 1.0f, 0.0f));
+             SceneEdit step;
+             step.set_transform(node, local);
+             return step;
+         }});
     out.scripted_edits.push_back({"robot", "the toy robot walks in a circle, once round in 12 seconds", [handles](double seconds) {
                                       SceneEdit step;
                                       step.set_transform(handles.robot, robot_at(seconds));
@@ -63,15 +71,16 @@ void add_moving(LoadedScene& out, const DioramaHandles& handles) {
                                       }
                                       return step;
                                   }});
-    out.scripted_edits.push_back({"lights", "the fairy lights vanish and come again one after the other", [handles](double seconds) {
-                                      SceneEdit step;
-                                      for (size_t i = 0; i < handles.bulbs.size(); ++i) {
-                                          const double t = seconds / 4.0 - double(i) / double(handles.bulbs.size());
-                                          const bool there = seconds <= 0.0 || t - std::floor(t) < 0.7;
-                                          step.set_transform(handles.bulbs[i], {.translation = handles.bulb_places[i], .scale = glm::vec3(there ? 1.0f : 0.0f)});
-                                      }
-                                      return step;
-                                  }});
+    out.scripted_edits.push_back(
+        {"lights", "the fairy lights vanish and come again one after the other", [handles](double seconds) {
+             SceneEdit step;
+             for (size_t i = 0; i < handles.bulbs.size(); ++i) {
+                 const double t = seconds / 4.0 - double(i) / double(handles.bulbs.size());
+                 const bool there = seconds <= 0.0 || t - std::floor(t) < 0.7;
+                 step.set_transform(handles.bulbs[i], {.translation = handles.bulb_places[i], .scale = glm::vec3(there ? 1.0f : 0.0f)});
+             }
+             return step;
+         }});
 }
 
 // Off and on, each for a second: the shade and the bulb.
@@ -111,7 +120,9 @@ LoadedScene make_diorama(const BuiltinOptions&) {
 
     LoadedScene out;
     const ChangeSet changes = out.scene.apply(std::move(edit));
-    for (Handle<Node>* node : {&handles.ball, &handles.door, &handles.robot, &handles.arms[0], &handles.arms[1], &handles.legs[0], &handles.legs[1]}) *node = changes.resolve(*node);
+    for (Handle<Node>* node :
+         {&handles.ball, &handles.door, &handles.robot, &handles.arms[0], &handles.arms[1], &handles.legs[0], &handles.legs[1]})
+        *node = changes.resolve(*node);
     for (Handle<Node>& bulb : handles.bulbs) bulb = changes.resolve(bulb);
     add_lamp_switch(out);
     add_moving(out, handles);

@@ -24,8 +24,10 @@ public:
     Handle<Material> plain(std::string name, glm::vec3 color, float roughness, float metallic = 0.0f) {
         return edit_.add(glossy(std::move(name), color, metallic, roughness));
     }
-    Handle<Material> mapped(std::string name, const SurfaceMaps& maps, float metres, float roughness, float normal_scale = 1.0f, bool double_sided = false) {
-        Material m = glossy(std::move(name), glm::vec3(1.0f), maps.metal_rough.texture ? 1.0f : 0.0f, maps.metal_rough.texture ? 1.0f : roughness);
+    Handle<Material> mapped(std::string name, const SurfaceMaps& maps, float metres, float roughness, float normal_scale = 1.0f,
+                            bool double_sided = false) {
+        Material m =
+            glossy(std::move(name), glm::vec3(1.0f), maps.metal_rough.texture ? 1.0f : 0.0f, maps.metal_rough.texture ? 1.0f : roughness);
         m.base_color_texture = tiled(maps.color, metres);
         if (maps.normal.texture) m.normal_texture = tiled(maps.normal, metres);
         if (maps.metal_rough.texture) m.metal_rough_texture = tiled(maps.metal_rough, metres);
@@ -151,7 +153,8 @@ Palette add_palette(SceneEdit& edit) {
 
 glm::mat4 placed(glm::vec3 at, float yaw, float pitch, float roll) {
     const auto about = [](float degrees, glm::vec3 axis) { return glm::angleAxis(glm::radians(degrees), axis); };
-    Transform t{.translation = at, .rotation = about(yaw, {0.0f, 1.0f, 0.0f}) * about(pitch, {1.0f, 0.0f, 0.0f}) * about(roll, {0.0f, 0.0f, 1.0f})};
+    Transform t{.translation = at,
+                .rotation = about(yaw, {0.0f, 1.0f, 0.0f}) * about(pitch, {1.0f, 0.0f, 0.0f}) * about(roll, {0.0f, 0.0f, 1.0f})};
     return matrix_of(t);
 }
 

@@ -22,14 +22,17 @@ void add_wall(Model& model, glm::vec3 low, glm::vec3 high, Handle<Material> mate
 
 // Panels with a raised frame along one stretch of wall of the given length, in the plane z = 0, from x = 0.
 void add_wainscot(Model& model, const Palette& palette, float length, const glm::mat4& place) {
-    const auto box = [&](glm::vec3 size, glm::vec3 middle, float radius) { model.add(make_rounded_box(size, radius), palette.paint, place * placed(middle)); };
+    const auto box = [&](glm::vec3 size, glm::vec3 middle, float radius) {
+        model.add(make_rounded_box(size, radius), palette.paint, place * placed(middle));
+    };
     box({length, kRail, 0.012f}, {0.5f * length, 0.5f * kRail, 0.006f}, 0.001f);
     box({length, 0.11f, 0.024f}, {0.5f * length, 0.055f, 0.012f}, 0.006f);
     box({length, 0.03f, 0.04f}, {0.5f * length, kRail, 0.02f}, 0.008f);
     box({length, 0.06f, 0.022f}, {0.5f * length, kRail - 0.06f, 0.011f}, 0.004f);
     const int panels = std::max(1, int(length / 0.55f));
     for (int i = 0; i <= panels; ++i)
-        box({0.07f, kRail - 0.15f, 0.022f}, {std::min(std::max(length * float(i) / float(panels), 0.035f), length - 0.035f), 0.5f * kRail + 0.02f, 0.011f}, 0.004f);
+        box({0.07f, kRail - 0.15f, 0.022f},
+            {std::min(std::max(length * float(i) / float(panels), 0.035f), length - 0.035f), 0.5f * kRail + 0.02f, 0.011f}, 0.004f);
 }
 
 // Cloth that hangs in folds between two heights, gathered by its rail.
@@ -41,7 +44,8 @@ Primitive make_curtain(float width, float low, float high, float folds, float ph
             const float s = float(column) / kColumns, t = float(row) / kRows;
             const float wave = std::sin(6.2831853f * (folds * s + 0.12f * std::sin(3.0f * t + phase)) + phase);
             const float depth = (0.022f + 0.02f * t) * wave + 0.008f * std::sin(17.0f * s + 5.0f * t);
-            curtain.positions.emplace_back(s * width * (0.9f + 0.1f * t) + 0.01f * std::sin(9.0f * t + phase), high + (low - high) * t, depth);
+            curtain.positions.emplace_back(s * width * (0.9f + 0.1f * t) + 0.01f * std::sin(9.0f * t + phase), high + (low - high) * t,
+                                           depth);
             curtain.uv0.emplace_back(1.5f * s * width, t * (high - low));
         }
     for (uint32_t row = 0; row < kRows; ++row)
@@ -62,7 +66,8 @@ void add_picture(SceneEdit& edit, const Palette& palette, glm::vec3 at, glm::vec
     model.add(canvas, palette.painting);
     const float bar = 0.045f;
     for (const float side : {-1.0f, 1.0f}) {
-        model.add(make_rounded_box({size.x + 2.0f * bar, bar, 0.045f}, 0.012f, 3), palette.brass, placed({0.0f, side * 0.5f * (size.y + bar), 0.022f}));
+        model.add(make_rounded_box({size.x + 2.0f * bar, bar, 0.045f}, 0.012f, 3), palette.brass,
+                  placed({0.0f, side * 0.5f * (size.y + bar), 0.022f}));
         model.add(make_rounded_box({bar, size.y, 0.04f}, 0.012f, 3), palette.brass, placed({side * 0.5f * (size.x + bar), 0.0f, 0.022f}));
     }
     model.place(edit, "picture", {.translation = at, .rotation = glm::angleAxis(glm::radians(roll), glm::vec3(0.0f, 0.0f, 1.0f))});
@@ -78,7 +83,8 @@ void add_rug_model(SceneEdit& edit, const Palette& palette) {
             // A little uneven; the edges lie on the floor.
             const float lift = 0.009f + 0.003f * std::sin(11.0f * s.x + 4.0f * s.y) * std::sin(9.0f * s.y + 1.0f);
             const float rim = std::min(std::min(s.x, 1.0f - s.x) * kSize.x, std::min(s.y, 1.0f - s.y) * kSize.y);
-            rug.positions.emplace_back((s.x - 0.5f) * kSize.x + 0.004f * std::sin(23.0f * s.y), lift * std::min(1.0f, rim / 0.01f) + 0.001f, (s.y - 0.5f) * kSize.y);
+            rug.positions.emplace_back((s.x - 0.5f) * kSize.x + 0.004f * std::sin(23.0f * s.y), lift * std::min(1.0f, rim / 0.01f) + 0.001f,
+                                       (s.y - 0.5f) * kSize.y);
             rug.uv0.push_back(s);
         }
     for (uint32_t row = 0; row < kCells; ++row)
@@ -93,11 +99,14 @@ void add_rug_model(SceneEdit& edit, const Palette& palette) {
     for (uint32_t i = 0; i < 70; ++i)
         for (const float side : {-1.0f, 1.0f}) {
             const float z = (float(i) / 69.0f - 0.5f) * (kSize.y - 0.02f), wobble = 0.012f * std::sin(float(i) * 2.3f + side);
-            const glm::vec3 fringe[] = {{side * 0.5f * kSize.x, 0.005f, z}, {side * (0.5f * kSize.x + 0.03f), 0.004f, z + 0.4f * wobble}, {side * (0.5f * kSize.x + 0.055f), 0.003f, z + wobble}};
+            const glm::vec3 fringe[] = {{side * 0.5f * kSize.x, 0.005f, z},
+                                        {side * (0.5f * kSize.x + 0.03f), 0.004f, z + 0.4f * wobble},
+                                        {side * (0.5f * kSize.x + 0.055f), 0.003f, z + wobble}};
             const float radii[] = {0.0032f, 0.0028f, 0.002f};
             model.add(make_tube(fringe, radii, 4), palette.paper);
         }
-    model.place(edit, "rug", {.translation = {-0.28f, 0.0f, 0.25f}, .rotation = glm::angleAxis(glm::radians(5.0f), glm::vec3(0.0f, 1.0f, 0.0f))});
+    model.place(edit, "rug",
+                {.translation = {-0.28f, 0.0f, 0.25f}, .rotation = glm::angleAxis(glm::radians(5.0f), glm::vec3(0.0f, 1.0f, 0.0f))});
 }
 
 }  // namespace
@@ -117,7 +126,8 @@ void add_room(SceneEdit& edit, const Palette& palette) {
     add_wainscot(model, palette, high.x - low.x, placed({low.x, 0.0f, low.z}));
     add_wainscot(model, palette, high.z - low.z, placed({low.x, 0.0f, high.z}, 90.0f));
     add_wainscot(model, palette, high.z - low.z, placed({high.x, 0.0f, low.z}, -90.0f));
-    for (const float x : {-1.45f, -0.1f, 1.3f}) model.add_box({0.13f, 0.15f, high.z - low.z}, {x, high.y - 0.06f, 0.5f * (low.z + high.z)}, palette.walnut, 0.012f);
+    for (const float x : {-1.45f, -0.1f, 1.3f})
+        model.add_box({0.13f, 0.15f, high.z - low.z}, {x, high.y - 0.06f, 0.5f * (low.z + high.z)}, palette.walnut, 0.012f);
     model.place(edit, "room");
     add_picture(edit, palette, {-0.42f, 1.62f, low.z + 0.001f}, {0.72f, 0.54f}, -0.8f);
     add_rug_model(edit, palette);
@@ -152,7 +162,8 @@ void add_window(SceneEdit& edit, const Palette& palette) {
     curtains.add(front, palette.linen, placed({stand, 0.0f, kWindowFront + 0.46f}, 90.0f));
     for (uint32_t i = 0; i < 9; ++i)
         for (const float start : {kWindowBack - 0.33f, kWindowFront + 0.06f})
-            curtains.add(make_torus(0.017f, 0.003f, 16, 6), palette.brass, placed({stand, rail - 0.004f, start + 0.045f * float(i)}, 0.0f, 90.0f));
+            curtains.add(make_torus(0.017f, 0.003f, 16, 6), palette.brass,
+                         placed({stand, rail - 0.004f, start + 0.045f * float(i)}, 0.0f, 90.0f));
     curtains.place(edit, "curtains");
 }
 

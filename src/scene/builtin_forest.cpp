@@ -39,9 +39,7 @@ Plan plan_forest(uint64_t triangles) {
     return plan;
 }
 
-float ground_height(glm::vec2 p) {
-    return 3.0f * (fractal_noise(p / 30.0f + 512.0f, {1024, 1024}, 4, 3u) - 0.5f);
-}
+float ground_height(glm::vec2 p) { return 3.0f * (fractal_noise(p / 30.0f + 512.0f, {1024, 1024}, 4, 3u) - 0.5f); }
 
 Primitive make_ground(const Plan& plan) {
     const uint32_t n = plan.ground_cells;
@@ -80,14 +78,18 @@ struct Materials {
 Materials add_materials(SceneEdit& edit) {
     Materials out;
     Material ground = glossy("forest floor", glm::vec3(1.0f), 0.0f, 0.95f);
-    ground.base_color_texture = add_texture(edit,
-                                            make_image("forest floor", 512, 512,
-                                                       [](float u, float v) {
-                                                           const float moss = fractal_noise({u * 5.0f, v * 5.0f}, {5, 5}, 5, 201u), litter = fractal_noise({u * 90.0f, v * 90.0f}, {90, 90}, 3, 202u);
-                                                           const glm::vec3 brown = glm::mix(glm::vec3(0.24f, 0.17f, 0.10f), glm::vec3(0.55f, 0.42f, 0.26f), litter);
-                                                           return glm::vec4(glm::mix(brown, glm::vec3(0.25f, 0.34f, 0.12f) * (0.6f + 0.8f * litter), glm::smoothstep(0.42f, 0.6f, moss)), 1.0f);
-                                                       }),
-                                            ColorSpace::Srgb);
+    ground.base_color_texture = add_texture(
+        edit,
+        make_image("forest floor", 512, 512,
+                   [](float u, float v) {
+                       const float moss = fractal_noise({u * 5.0f, v * 5.0f}, {5, 5}, 5, 201u),
+                                   litter = fractal_noise({u * 90.0f, v * 90.0f}, {90, 90}, 3, 202u);
+                       const glm::vec3 brown = glm::mix(glm::vec3(0.24f, 0.17f, 0.10f), glm::vec3(0.55f, 0.42f, 0.26f), litter);
+                       return glm::vec4(
+                           glm::mix(brown, glm::vec3(0.25f, 0.34f, 0.12f) * (0.6f + 0.8f * litter), glm::smoothstep(0.42f, 0.6f, moss)),
+                           1.0f);
+                   }),
+        ColorSpace::Srgb);
     out.ground = edit.add(std::move(ground));
     const SurfaceMaps maps = add_bark(edit);
     Material bark = glossy("bark", glm::vec3(1.0f), 0.0f, 0.9f);
@@ -134,10 +136,14 @@ void grow_wood(Tree& tree, uint64_t budget) {
     Random& random = tree.random;
     const uint32_t sides = budget < 1000 ? 4u : budget < 6000 ? 7u : 10u, rows = budget < 1000 ? 4u : 8u;
     const float radius = tree.height * random.range(0.016f, 0.024f);
-    add_limb(tree, limb_curve(random, {0.0f, -0.4f, 0.0f}, {random.range(-0.08f, 0.08f), 1.0f, random.range(-0.08f, 0.08f)}, tree.height + 0.4f, 0.6f, rows), radius, sides);
+    add_limb(tree,
+             limb_curve(random, {0.0f, -0.4f, 0.0f}, {random.range(-0.08f, 0.08f), 1.0f, random.range(-0.08f, 0.08f)}, tree.height + 0.4f,
+                        0.6f, rows),
+             radius, sides);
     const std::vector<glm::vec3> trunk = tree.limbs[0];
     tree.limbs.clear();
-    const float crown = tree.conifer ? 0.14f : 0.32f, spread = tree.height * (tree.conifer ? 0.24f : 0.34f), turn = random.range(0.0f, float(kTurn));
+    const float crown = tree.conifer ? 0.14f : 0.32f, spread = tree.height * (tree.conifer ? 0.24f : 0.34f),
+                turn = random.range(0.0f, float(kTurn));
     const uint32_t branches = uint32_t(std::clamp<uint64_t>(budget / 120, 5, 60));
     for (uint32_t i = 0; i < branches && 3 * tree.wood.triangles.size() < budget; ++i) {
         const float t = (float(i) + 0.5f) / float(branches), up = crown + (0.96f - crown) * t;
@@ -145,7 +151,8 @@ void grow_wood(Tree& tree, uint64_t budget) {
         const size_t knot = std::min(size_t(at), trunk.size() - 2);
         const glm::vec3 base = glm::mix(trunk[knot], trunk[knot + 1], at - float(knot));
         const float reach = tree.conifer ? 1.02f - t : std::sqrt(std::max(0.05f, 1.0f - (1.7f * t - 0.7f) * (1.7f * t - 0.7f)));
-        const float length = spread * reach * random.range(0.8f, 1.15f), rise = tree.conifer ? random.range(-0.25f, 0.1f) : random.range(0.3f, 0.8f);
+        const float length = spread * reach * random.range(0.8f, 1.15f),
+                    rise = tree.conifer ? random.range(-0.25f, 0.1f) : random.range(0.3f, 0.8f);
         const glm::vec3 direction = glm::normalize(glm::vec3(std::cos(angle), rise + (tree.conifer ? 0.0f : 0.9f * t), std::sin(angle)));
         const std::vector<glm::vec3> branch = limb_curve(random, base, direction, length, tree.conifer ? -0.08f : 0.12f, 5);
         add_limb(tree, branch, 0.35f * radius * std::sqrt(reach), 4);
@@ -153,7 +160,8 @@ void grow_wood(Tree& tree, uint64_t budget) {
         for (uint32_t joint = 1; joint < 4 && budget > 1500; ++joint) {
             const glm::vec3 along = glm::normalize(branch[joint + 1] - branch[joint]);
             const glm::vec3 aside = glm::normalize(glm::cross(along, {0.0f, 1.0f, 0.0f}) + 1e-3f) * (joint % 2 == 0 ? 1.0f : -1.0f);
-            add_limb(tree, limb_curve(random, branch[joint], glm::normalize(along + 1.1f * aside), 0.45f * length, 0.1f, 3), 0.15f * radius, 3);
+            add_limb(tree, limb_curve(random, branch[joint], glm::normalize(along + 1.1f * aside), 0.45f * length, 0.1f, 3), 0.15f * radius,
+                     3);
         }
     }
 }
@@ -173,12 +181,15 @@ void grow_leaves(Tree& tree, uint64_t cards) {
         const glm::vec3 along = glm::normalize(limb[knot + 1] - limb[knot]);
         const glm::vec3 drift(random.range(-1.0f, 1.0f), random.range(-1.0f, 1.0f), random.range(-1.0f, 1.0f));
         const glm::vec3 base = glm::mix(limb[knot], limb[knot + 1], at - float(knot)) + 0.25f * size * drift;
-        const glm::vec3 tip = glm::normalize(along + 0.9f * glm::vec3(random.range(-1.0f, 1.0f), random.range(-1.0f, 0.6f), random.range(-1.0f, 1.0f)) + 1e-3f);
-        const glm::vec3 across = glm::normalize(glm::cross(tip, glm::vec3(random.range(-0.5f, 0.5f), 1.0f, random.range(-0.5f, 0.5f))) + 1e-4f);
+        const glm::vec3 tip = glm::normalize(
+            along + 0.9f * glm::vec3(random.range(-1.0f, 1.0f), random.range(-1.0f, 0.6f), random.range(-1.0f, 1.0f)) + 1e-3f);
+        const glm::vec3 across =
+            glm::normalize(glm::cross(tip, glm::vec3(random.range(-0.5f, 0.5f), 1.0f, random.range(-0.5f, 0.5f))) + 1e-4f);
         const float length = size * random.range(0.8f, 1.25f);
         const glm::vec3 half = 0.45f * length * across;
         const uint32_t first = uint32_t(tree.leaves.positions.size());
-        tree.leaves.positions.insert(tree.leaves.positions.end(), {base - half, base + half, base + length * tip + half, base + length * tip - half});
+        tree.leaves.positions.insert(tree.leaves.positions.end(),
+                                     {base - half, base + half, base + length * tip + half, base + length * tip - half});
         tree.leaves.uv0.insert(tree.leaves.uv0.end(), {{0.0f, 1.0f}, {1.0f, 1.0f}, {1.0f, 0.0f}, {0.0f, 0.0f}});
         tree.leaves.triangles.emplace_back(first, first + 1, first + 2);
         tree.leaves.triangles.emplace_back(first, first + 2, first + 3);
@@ -209,7 +220,9 @@ Environment forest_sky() {
     Environment sky{.name = "forest sky", .width = 16, .height = 64, .scale = glm::vec3(1.0f)};
     for (uint32_t row = 0; row < sky.height; ++row) {
         const float up = std::cos(float(std::numbers::pi) * (float(row) + 0.5f) / float(sky.height));
-        const glm::vec3 nits = up < 0.0f ? glm::vec3(500.0f, 480.0f, 350.0f) : glm::mix(glm::vec3(5200.0f, 6200.0f, 7000.0f), glm::vec3(1300.0f, 2600.0f, 5400.0f), std::sqrt(up));
+        const glm::vec3 nits = up < 0.0f
+                                   ? glm::vec3(500.0f, 480.0f, 350.0f)
+                                   : glm::mix(glm::vec3(5200.0f, 6200.0f, 7000.0f), glm::vec3(1300.0f, 2600.0f, 5400.0f), std::sqrt(up));
         sky.radiance.insert(sky.radiance.end(), sky.width, nits);
     }
     return sky;
@@ -217,12 +230,16 @@ Environment forest_sky() {
 
 // Rises in the east, stands 55 degrees high after 10 seconds, sets after 20. At rest the time is 6.
 Light sun_at(double seconds, glm::quat& rotation) {
-    const double day = seconds / 20.0 - std::floor(seconds / 20.0), height = glm::radians(3.0 + 52.0 * std::sin(0.5 * kTurn * day)), way = kTurn * (0.05 + 0.4 * day);
+    const double day = seconds / 20.0 - std::floor(seconds / 20.0), height = glm::radians(3.0 + 52.0 * std::sin(0.5 * kTurn * day)),
+                 way = kTurn * (0.05 + 0.4 * day);
     const glm::vec3 from(std::cos(height) * std::cos(way), std::sin(height), std::cos(height) * std::sin(way));
     rotation = glm::quatLookAt(-from, glm::vec3(0.0f, 1.0f, 0.0f));
     const float high = float(std::sin(height));
-    return {.name = "sun", .kind = LightKind::Directional, .color = glm::mix(glm::vec3(1.0f, 0.45f, 0.18f), glm::vec3(1.0f, 0.93f, 0.82f), std::sqrt(high)),
-            .intensity = 95'000.0f * std::min(1.0f, 2.0f * high), .angular_radius = 0.00465f};
+    return {.name = "sun",
+            .kind = LightKind::Directional,
+            .color = glm::mix(glm::vec3(1.0f, 0.45f, 0.18f), glm::vec3(1.0f, 0.93f, 0.82f), std::sqrt(high)),
+            .intensity = 95'000.0f * std::min(1.0f, 2.0f * high),
+            .angular_radius = 0.00465f};
 }
 
 struct Place {
@@ -248,7 +265,8 @@ LoadedScene make_forest(const BuiltinOptions& options) {
     std::vector<Place> places;
     for (uint32_t i = 0; i < plan.trees; ++i) {
         Random random(kSeed + 1u, i);
-        const float r = kSpacing * std::sqrt(float(i) + 3.0f) + random.range(-0.9f, 0.9f), angle = kGoldenAngle * float(i) + random.range(-1.0f, 1.0f) / r;
+        const float r = kSpacing * std::sqrt(float(i) + 3.0f) + random.range(-0.9f, 0.9f),
+                    angle = kGoldenAngle * float(i) + random.range(-1.0f, 1.0f) / r;
         const glm::vec2 p(r * std::cos(angle), r * std::sin(angle));
         const Place place{{}, {p.x, ground_height(p), p.y}, random.range(0.0f, float(kTurn))};
         const Transform local{.translation = place.at, .rotation = glm::angleAxis(place.turn, glm::vec3(0.0f, 1.0f, 0.0f))};
@@ -263,23 +281,28 @@ LoadedScene make_forest(const BuiltinOptions& options) {
     edit.set_environment(forest_sky());
     const float eye = ground_height({0.0f, 0.0f}) + 1.6f;
     add_camera(edit, "clearing", {0.0f, eye, 0.0f}, {6.0f, eye + 0.9f, -6.0f}, glm::radians(60.0f));
-    add_camera(edit, "above", {0.7f * plan.radius, 16.0f + 0.45f * plan.radius, 0.9f * plan.radius}, {0.0f, 2.0f, 0.0f}, glm::radians(45.0f));
+    add_camera(edit, "above", {0.7f * plan.radius, 16.0f + 0.45f * plan.radius, 0.9f * plan.radius}, {0.0f, 2.0f, 0.0f},
+               glm::radians(45.0f));
     add_camera(edit, "crowns", {1.0f, eye - 0.8f, 1.0f}, {3.0f, eye + 5.0f, -2.0f}, glm::radians(75.0f));
 
     LoadedScene out;
     const ChangeSet changes = out.scene.apply(std::move(edit));
     for (Place& place : places) place.node = changes.resolve(place.node);
-    out.scripted_edits.push_back({"wind", "the trees sway", [places = std::move(places)](double seconds) {
-                                      SceneEdit step;
-                                      for (const Place& place : places) {
-                                          const double phase = 0.11 * double(place.at.x) + 0.07 * double(place.at.z);
-                                          const double lean = 0.02 * std::sin(kTurn * (seconds / 3.1) - phase) + 0.012 * std::sin(kTurn * (seconds / 1.3) - 2.0 * phase + double(place.turn));
-                                          const glm::quat sway = glm::angleAxis(float(lean), glm::normalize(glm::vec3(0.55f, 0.0f, -0.83f)));
-                                          step.set_transform(place.node, {.translation = place.at, .rotation = sway * glm::angleAxis(place.turn, glm::vec3(0.0f, 1.0f, 0.0f))});
-                                      }
-                                      return step;
-                                  }});
-    out.scripted_edits.push_back({"sun", "the sun rises and sets within 20 seconds", [node = changes.resolve(sun_node), light = changes.resolve(sun_light)](double seconds) {
+    out.scripted_edits.push_back(
+        {"wind", "the trees sway", [places = std::move(places)](double seconds) {
+             SceneEdit step;
+             for (const Place& place : places) {
+                 const double phase = 0.11 * double(place.at.x) + 0.07 * double(place.at.z);
+                 const double lean = 0.02 * std::sin(kTurn * (seconds / 3.1) - phase) +
+                                     0.012 * std::sin(kTurn * (seconds / 1.3) - 2.0 * phase + double(place.turn));
+                 const glm::quat sway = glm::angleAxis(float(lean), glm::normalize(glm::vec3(0.55f, 0.0f, -0.83f)));
+                 step.set_transform(place.node,
+                                    {.translation = place.at, .rotation = sway * glm::angleAxis(place.turn, glm::vec3(0.0f, 1.0f, 0.0f))});
+             }
+             return step;
+         }});
+    out.scripted_edits.push_back({"sun", "the sun rises and sets within 20 seconds",
+                                  [node = changes.resolve(sun_node), light = changes.resolve(sun_light)](double seconds) {
                                       Transform local;
                                       SceneEdit step;
                                       step.set_light(light, sun_at(seconds, local.rotation));

@@ -51,7 +51,8 @@ void add_hole_rim(Primitive& primitive, const Lines& inner, const Lines& outer) 
     for (int i = 0; i < 4; ++i) {
         const uint32_t base = uint32_t(primitive.positions.size());
         const int next = (i + 1) % 4;
-        primitive.positions.insert(primitive.positions.end(), {corner(inner, i), corner(inner, next), corner(outer, next), corner(outer, i)});
+        primitive.positions.insert(primitive.positions.end(),
+                                   {corner(inner, i), corner(inner, next), corner(outer, next), corner(outer, i)});
         primitive.triangles.emplace_back(base, base + 2, base + 1);
         primitive.triangles.emplace_back(base, base + 3, base + 2);
     }
@@ -63,7 +64,9 @@ struct DarkBox {
     const char* name;
     glm::vec3 albedo;
 };
-constexpr DarkBox kDarkBoxes[] = {{0.01f, -1.8f, "1 cm", {0.65f, 0.35f, 0.22f}}, {0.05f, 0.0f, "5 cm", {0.70f, 0.58f, 0.30f}}, {0.20f, 1.8f, "20 cm", {0.25f, 0.42f, 0.52f}}};
+constexpr DarkBox kDarkBoxes[] = {{0.01f, -1.8f, "1 cm", {0.65f, 0.35f, 0.22f}},
+                                  {0.05f, 0.0f, "5 cm", {0.70f, 0.58f, 0.30f}},
+                                  {0.20f, 1.8f, "20 cm", {0.25f, 0.42f, 0.52f}}};
 constexpr float kBoxZ = -1.2f, kHalfCavity = 0.5f;
 constexpr glm::vec2 kHoleMin(-0.25f, 0.15f), kHoleMax(0.25f, 0.85f);
 
@@ -80,7 +83,8 @@ Primitive make_dark_box(const DarkBox& box, bool hole) {
     if (hole)
         for (Lines* lines : {&inner, &outer})
             for (int axis = 0; axis < 2; ++axis)
-                lines->along[axis].insert(lines->along[axis].begin() + 1, {(axis == 0 ? box.x : low.y) + kHoleMin[axis], (axis == 0 ? box.x : low.y) + kHoleMax[axis]});
+                lines->along[axis].insert(lines->along[axis].begin() + 1,
+                                          {(axis == 0 ? box.x : low.y) + kHoleMin[axis], (axis == 0 ? box.x : low.y) + kHoleMax[axis]});
     Primitive walls;
     add_cut_box(walls, inner, Facing::In, hole);
     add_cut_box(walls, outer, Facing::Out, hole);
@@ -122,28 +126,32 @@ LoadedScene make_leak_box(const BuiltinOptions&) {
         const glm::vec3 low = cavity_min(box);
         place_object(edit, box.name, make_dark_box(box, has_door), edit.add(lambert(box.name, box.albedo)));
         if (has_door) door = add_door(edit, box, gray, shut);
-        place_object(edit, fmt::format("ball in {}", box.name), make_sphere(0.15f, 12, true), gray, {.translation = low + glm::vec3(0.7f, 0.16f, 0.35f)});
-        add_camera(edit, fmt::format("inside {}", box.name), low + glm::vec3(0.15f, 0.8f, 0.12f), low + glm::vec3(0.55f, 0.4f, 0.8f), glm::radians(75.0f));
+        place_object(edit, fmt::format("ball in {}", box.name), make_sphere(0.15f, 12, true), gray,
+                     {.translation = low + glm::vec3(0.7f, 0.16f, 0.35f)});
+        add_camera(edit, fmt::format("inside {}", box.name), low + glm::vec3(0.15f, 0.8f, 0.12f), low + glm::vec3(0.55f, 0.4f, 0.8f),
+                   glm::radians(75.0f));
     }
 
     LoadedScene out;
     const ChangeSet changes = out.scene.apply(std::move(edit));
     const Handle<Material> lamp_material = changes.resolve(glow);
-    out.scripted_edits.push_back({"lamp", "the room's lamp is off every other second", [lamp_material, lit = out.scene.get(lamp_material)](double seconds) {
-                                      Material now = lit;
-                                      if (seconds / 2.0 - std::floor(seconds / 2.0) >= 0.5) now.emission = glm::vec3(0.0f);
-                                      SceneEdit step;
-                                      step.set_material(lamp_material, std::move(now));
-                                      return step;
-                                  }});
-    out.scripted_edits.push_back({"door", "the door of the 5 cm box opens and shuts, once in 4 seconds", [door = changes.resolve(door), shut](double seconds) {
-                                      const double open = 0.5 - 0.5 * std::cos(kTurn * seconds / 4.0);
-                                      Transform local = shut;
-                                      local.rotation = glm::angleAxis(float(glm::radians(-100.0) * open), glm::vec3(0.0f, 1.0f, 0.0f));
-                                      SceneEdit step;
-                                      step.set_transform(door, local);
-                                      return step;
-                                  }});
+    out.scripted_edits.push_back(
+        {"lamp", "the room's lamp is off every other second", [lamp_material, lit = out.scene.get(lamp_material)](double seconds) {
+             Material now = lit;
+             if (seconds / 2.0 - std::floor(seconds / 2.0) >= 0.5) now.emission = glm::vec3(0.0f);
+             SceneEdit step;
+             step.set_material(lamp_material, std::move(now));
+             return step;
+         }});
+    out.scripted_edits.push_back(
+        {"door", "the door of the 5 cm box opens and shuts, once in 4 seconds", [door = changes.resolve(door), shut](double seconds) {
+             const double open = 0.5 - 0.5 * std::cos(kTurn * seconds / 4.0);
+             Transform local = shut;
+             local.rotation = glm::angleAxis(float(glm::radians(-100.0) * open), glm::vec3(0.0f, 1.0f, 0.0f));
+             SceneEdit step;
+             step.set_transform(door, local);
+             return step;
+         }});
     return out;
 }
 

@@ -24,7 +24,8 @@ void add_field(SceneEdit& edit) {
                                                       }),
                                            ColorSpace::Srgb, {.mag = Filter::Nearest});
     Primitive ground;
-    add_textured_quad(ground, {-kHalfField, 0.0f, kHalfField}, {2.0f * kHalfField, 0.0f, 0.0f}, {0.0f, 0.0f, -2.0f * kHalfField}, glm::vec2(100.0f));
+    add_textured_quad(ground, {-kHalfField, 0.0f, kHalfField}, {2.0f * kHalfField, 0.0f, 0.0f}, {0.0f, 0.0f, -2.0f * kHalfField},
+                      glm::vec2(100.0f));
     place_object(edit, "field", std::move(ground), edit.add(std::move(field)));
 }
 
@@ -98,18 +99,20 @@ LoadedScene make_many_lights(const BuiltinOptions&) {
                                       for (size_t i = 0; i < lamps.size(); i += 2) {
                                           const double t = seconds / 2.0 + double(lamps[i].phase);
                                           const bool there = t - std::floor(t) < 0.5;
-                                          step.set_transform(lamps[i].node, {.translation = lamps[i].at, .scale = glm::vec3(there ? 1.0f : 0.0f)});
+                                          step.set_transform(lamps[i].node,
+                                                             {.translation = lamps[i].at, .scale = glm::vec3(there ? 1.0f : 0.0f)});
                                       }
                                       return step;
                                   }});
     const Handle<Material> middle = lamps[lamps.size() / 2].material;
-    out.scripted_edits.push_back({"switch", "the light in the middle is off every other second", [middle, lit = out.scene.get(middle)](double seconds) {
-                                      Material now = lit;
-                                      if (seconds / 2.0 - std::floor(seconds / 2.0) >= 0.5) now.emission = glm::vec3(0.0f);
-                                      SceneEdit step;
-                                      step.set_material(middle, std::move(now));
-                                      return step;
-                                  }});
+    out.scripted_edits.push_back(
+        {"switch", "the light in the middle is off every other second", [middle, lit = out.scene.get(middle)](double seconds) {
+             Material now = lit;
+             if (seconds / 2.0 - std::floor(seconds / 2.0) >= 0.5) now.emission = glm::vec3(0.0f);
+             SceneEdit step;
+             step.set_material(middle, std::move(now));
+             return step;
+         }});
     return out;
 }
 

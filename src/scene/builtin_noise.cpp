@@ -14,7 +14,8 @@ Image make_image(std::string name, uint32_t width, uint32_t height, const PixelF
         for (size_t y = begin; y < end; ++y)
             for (uint32_t x = 0; x < width; ++x) {
                 const glm::vec4 value = glm::clamp(pixel((float(x) + 0.5f) / float(width), (float(y) + 0.5f) / float(height)), 0.0f, 1.0f);
-                for (int c = 0; c < 4; ++c) image.texels[(y * width + x) * 4 + size_t(c)] = static_cast<uint8_t>(std::lround(value[c] * 255.0f));
+                for (int c = 0; c < 4; ++c)
+                    image.texels[(y * width + x) * 4 + size_t(c)] = static_cast<uint8_t>(std::lround(value[c] * 255.0f));
             }
     });
     return image;
@@ -24,7 +25,8 @@ Image make_normal_image(std::string name, uint32_t size, float metres, const std
     std::vector<float> heights(size_t(size) * size);
     parallel_for(size, 16, [&](size_t begin, size_t end) {
         for (size_t y = begin; y < end; ++y)
-            for (uint32_t x = 0; x < size; ++x) heights[y * size + x] = height((float(x) + 0.5f) / float(size), (float(y) + 0.5f) / float(size));
+            for (uint32_t x = 0; x < size; ++x)
+                heights[y * size + x] = height((float(x) + 0.5f) / float(size), (float(y) + 0.5f) / float(size));
     });
     const float step = 2.0f * metres / float(size);
     return make_image(std::move(name), size, size, [&, size](float u, float v) {

@@ -29,15 +29,16 @@ void add_hall(SceneEdit& edit) {
     place_object(edit, "right wall", std::move(right), cool);
 
     Material tiles = glossy("floor", glm::vec3(1.0f), 0.0f, 0.12f);
-    tiles.base_color_texture = add_texture(edit,
-                                           make_image("tiles", 128, 128,
-                                                      [](float u, float v) {
-                                                          const float a = std::abs(std::fmod(2.0f * u, 1.0f) - 0.5f), b = std::abs(std::fmod(2.0f * v, 1.0f) - 0.5f);
-                                                          if (std::max(a, b) > 0.488f) return glm::vec4(0.15f, 0.15f, 0.15f, 1.0f);
-                                                          const float tone = (u < 0.5f) == (v < 0.5f) ? 0.75f : 0.38f;
-                                                          return glm::vec4(glm::vec3(tone + 0.1f * (fractal_noise({8.0f * u, 8.0f * v}, {8, 8}, 4, 7u) - 0.5f)), 1.0f);
-                                                      }),
-                                           ColorSpace::Srgb);
+    tiles.base_color_texture = add_texture(
+        edit,
+        make_image("tiles", 128, 128,
+                   [](float u, float v) {
+                       const float a = std::abs(std::fmod(2.0f * u, 1.0f) - 0.5f), b = std::abs(std::fmod(2.0f * v, 1.0f) - 0.5f);
+                       if (std::max(a, b) > 0.488f) return glm::vec4(0.15f, 0.15f, 0.15f, 1.0f);
+                       const float tone = (u < 0.5f) == (v < 0.5f) ? 0.75f : 0.38f;
+                       return glm::vec4(glm::vec3(tone + 0.1f * (fractal_noise({8.0f * u, 8.0f * v}, {8, 8}, 4, 7u) - 0.5f)), 1.0f);
+                   }),
+        ColorSpace::Srgb);
     Primitive floor;
     add_textured_quad(floor, {kHallMin.x, 0.0f, kHallMax.z}, x, -z, {6.0f, 7.0f});
     place_object(edit, "floor", std::move(floor), edit.add(std::move(tiles)));
@@ -55,12 +56,14 @@ void add_samples(SceneEdit& edit) {
         for (int column = 0; column < 5; ++column) {
             const std::string name = fmt::format("{} roughness {:g}", kinds[row].name, kRoughness[column]);
             const glm::vec3 at(-3.2f + 1.6f * float(column), 0.55f, -1.6f + 1.7f * float(row));
-            place_object(edit, name, sphere, edit.add(glossy(name, kinds[row].color, kinds[row].metallic, kRoughness[column])), {.translation = at});
+            place_object(edit, name, sphere, edit.add(glossy(name, kinds[row].color, kinds[row].metallic, kRoughness[column])),
+                         {.translation = at});
         }
 }
 
 // A framed sheet that stands upright and looks along +Z of its node.
-Handle<Node> add_mirror(SceneEdit& edit, const std::string& name, glm::vec2 size, float roughness, Handle<Material> frame, const Transform& local) {
+Handle<Node> add_mirror(SceneEdit& edit, const std::string& name, glm::vec2 size, float roughness, Handle<Material> frame,
+                        const Transform& local) {
     const Handle<Node> node = edit.add(Node{.name = name, .local = local});
     Primitive back = make_rounded_box({size.x + 0.2f, size.y + 0.2f, 0.1f}, 0.02f);
     place_object(edit, name + " frame", std::move(back), frame, {.translation = {0.0f, 0.5f * size.y + 0.1f, -0.052f}}, node);
@@ -102,14 +105,16 @@ Moving add_things(SceneEdit& edit) {
     // Behind the camera and above it: seen in mirrors.
     Primitive ring = make_torus(0.9f, 0.12f, 48, 16);
     place_object(edit, "glowing ring", std::move(ring), edit.add(lambert("glow", glm::vec3(0.2f), {3000.0f, 14000.0f, 20000.0f})),
-               {.translation = {-2.0f, 5.2f, 8.8f}, .rotation = glm::angleAxis(glm::radians(80.0f), glm::vec3(1.0f, 0.0f, 0.0f))});
-    moving.cube = place_object(edit, "cube", make_rounded_box(glm::vec3(1.1f), 0.06f, 3), edit.add(glossy("copper", {0.95f, 0.58f, 0.42f}, 1.0f, 0.12f)));
+                 {.translation = {-2.0f, 5.2f, 8.8f}, .rotation = glm::angleAxis(glm::radians(80.0f), glm::vec3(1.0f, 0.0f, 0.0f))});
+    moving.cube = place_object(edit, "cube", make_rounded_box(glm::vec3(1.1f), 0.06f, 3),
+                               edit.add(glossy("copper", {0.95f, 0.58f, 0.42f}, 1.0f, 0.12f)));
 
     Material stripes = glossy("ball", glm::vec3(1.0f), 0.0f, 0.24f);
     stripes.base_color_texture = add_texture(edit,
                                              make_image("stripes", 64, 8,
                                                         [](float u, float) {
-                                                            return int(u * 4.0f) % 2 == 0 ? glm::vec4(0.93f, 0.90f, 0.80f, 1.0f) : glm::vec4(0.85f, 0.42f, 0.08f, 1.0f);
+                                                            return int(u * 4.0f) % 2 == 0 ? glm::vec4(0.93f, 0.90f, 0.80f, 1.0f)
+                                                                                          : glm::vec4(0.85f, 0.42f, 0.08f, 1.0f);
                                                         }),
                                              ColorSpace::Srgb);
     moving.ball = place_object(edit, "ball", make_ball(), edit.add(std::move(stripes)));
@@ -160,20 +165,23 @@ LoadedScene make_reflections(const BuiltinOptions&) {
 
     LoadedScene out;
     const ChangeSet changes = out.scene.apply(std::move(edit));
-    out.scripted_edits.push_back(mover("roll", "a striped ball rolls past the mirrors and back, once in 12 seconds", changes.resolve(moving.ball), ball_at));
-    out.scripted_edits.push_back(mover("orbit", "a copper cube circles the room, once in 10 seconds", changes.resolve(moving.cube), cube_at));
+    out.scripted_edits.push_back(
+        mover("roll", "a striped ball rolls past the mirrors and back, once in 12 seconds", changes.resolve(moving.ball), ball_at));
+    out.scripted_edits.push_back(
+        mover("orbit", "a copper cube circles the room, once in 10 seconds", changes.resolve(moving.cube), cube_at));
     out.scripted_edits.push_back(mover("panel", "the large mirror slides and turns", changes.resolve(moving.panel), panel_at));
     const Handle<Material> lamp = changes.resolve(moving.lamp);
-    out.scripted_edits.push_back({"light", "the lamp goes through the colours, once in 6 seconds", [lamp, white = out.scene.get(lamp)](double seconds) {
-                                      Material now = white;
-                                      for (int c = 0; c < 3; ++c) {
-                                          const double wave = 0.5 + 0.5 * std::cos(kTurn * (seconds / 6.0 - double(c) / 3.0));
-                                          now.emission[c] *= float(0.15 + 0.85 * wave);
-                                      }
-                                      SceneEdit step;
-                                      step.set_material(lamp, std::move(now));
-                                      return step;
-                                  }});
+    out.scripted_edits.push_back(
+        {"light", "the lamp goes through the colours, once in 6 seconds", [lamp, white = out.scene.get(lamp)](double seconds) {
+             Material now = white;
+             for (int c = 0; c < 3; ++c) {
+                 const double wave = 0.5 + 0.5 * std::cos(kTurn * (seconds / 6.0 - double(c) / 3.0));
+                 now.emission[c] *= float(0.15 + 0.85 * wave);
+             }
+             SceneEdit step;
+             step.set_material(lamp, std::move(now));
+             return step;
+         }});
     return out;
 }
 

@@ -25,17 +25,17 @@ float fractal_noise(glm::vec2 p, glm::ivec2 period, uint32_t octaves, uint32_t s
 struct SurfaceMaps {
     TextureRef color, normal, metal_rough;
 };
-SurfaceMaps add_plank_floor(SceneEdit& edit);              // 2.4 m wide; planks along u
+SurfaceMaps add_plank_floor(SceneEdit& edit);                                                     // 2.4 m wide; planks along u
 SurfaceMaps add_wood(SceneEdit& edit, glm::vec3 light, glm::vec3 dark, const std::string& name);  // 0.6 m wide, grain along u
-TextureRef add_rug(SceneEdit& edit);                       // one rug
-TextureRef add_painting(SceneEdit& edit);                  // a landscape, 4 : 3
-SurfaceMaps add_plaster(SceneEdit& edit, glm::vec3 color); // 1.2 m wide
-SurfaceMaps add_weave(SceneEdit& edit, glm::vec3 color, const std::string& name);  // 0.16 m wide
-TextureRef add_book_spines(SceneEdit& edit);               // kSpines columns side by side, the last is paper
+TextureRef add_rug(SceneEdit& edit);                                                              // one rug
+TextureRef add_painting(SceneEdit& edit);                                                         // a landscape, 4 : 3
+SurfaceMaps add_plaster(SceneEdit& edit, glm::vec3 color);                                        // 1.2 m wide
+SurfaceMaps add_weave(SceneEdit& edit, glm::vec3 color, const std::string& name);                 // 0.16 m wide
+TextureRef add_book_spines(SceneEdit& edit);                                           // kSpines columns side by side, the last is paper
 TextureRef add_broad_leaf(SceneEdit& edit, glm::vec3 color, const std::string& name);  // alpha
-TextureRef add_twig(SceneEdit& edit);                      // a twig with many small leaves; alpha
-SurfaceMaps add_bark(SceneEdit& edit);                     // 1 m wide, grain along v
-TextureRef add_smudges(SceneEdit& edit);                   // metal_rough: roughness varies, metallic 1
+TextureRef add_twig(SceneEdit& edit);                                                  // a twig with many small leaves; alpha
+SurfaceMaps add_bark(SceneEdit& edit);                                                 // 1 m wide, grain along v
+TextureRef add_smudges(SceneEdit& edit);                                               // metal_rough: roughness varies, metallic 1
 constexpr uint32_t kSpines = 16;
 
 }  // namespace parhelion::builtin

@@ -52,7 +52,9 @@ void add_rounded_face(Primitive& box, glm::vec3 half, float radius, uint32_t ste
             box.positions.push_back(core + radius * n);
             box.normals.push_back(n);
             // Upright images on the sides: u to the right seen from outside, v down.
-            const glm::vec2 uv = axis == 0 ? glm::vec2(-side * p.z, -p.y) : axis == 1 ? glm::vec2(p.x, side * p.z) : glm::vec2(side * p.x, -p.y);
+            const glm::vec2 uv = axis == 0   ? glm::vec2(-side * p.z, -p.y)
+                                 : axis == 1 ? glm::vec2(p.x, side * p.z)
+                                             : glm::vec2(side * p.x, -p.y);
             box.uv0.push_back(uv);
         }
     add_grid_triangles(box, base, uint32_t(vs.size()) - 1, uint32_t(us.size()) - 1);
@@ -114,7 +116,8 @@ Primitive make_lathe(std::span<const glm::vec2> profile, uint32_t segments) {
 }
 
 Primitive make_cylinder(float radius, float height, float bevel, uint32_t segments) {
-    const glm::vec2 profile[] = {{0.0f, 0.0f}, {radius - bevel, 0.0f}, {radius, bevel}, {radius, height - bevel}, {radius - bevel, height}, {0.0f, height}};
+    const glm::vec2 profile[] = {{0.0f, 0.0f},  {radius - bevel, 0.0f}, {radius, bevel}, {radius, height - bevel}, {radius - bevel, height},
+                                 {0.0f, height}};
     return make_lathe(profile, segments);
 }
 
@@ -181,7 +184,8 @@ std::vector<glm::vec3> smooth_curve(std::span<const glm::vec3> knots, uint32_t s
         const glm::vec3 a = i == 0 ? 2.0f * b - c : knots[i - 1], d = i + 2 == knots.size() ? 2.0f * c - b : knots[i + 2];
         for (uint32_t s = 0; s < steps; ++s) {
             const float t = float(s) / float(steps);
-            out.push_back(0.5f * (2.0f * b + t * (c - a) + t * t * (2.0f * a - 5.0f * b + 4.0f * c - d) + t * t * t * (3.0f * (b - c) + d - a)));
+            out.push_back(0.5f *
+                          (2.0f * b + t * (c - a) + t * t * (2.0f * a - 5.0f * b + 4.0f * c - d) + t * t * t * (3.0f * (b - c) + d - a)));
         }
     }
     out.push_back(knots.back());

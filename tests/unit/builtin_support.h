@@ -25,7 +25,8 @@ inline uint64_t hash_scene(const Scene& scene) {
         }
     for (const auto& [handle, instance] : scene.instances()) hasher.bytes(&instance.place.world_from_object, sizeof(glm::mat4));
     for (const auto& [handle, image] : scene.images()) add(hasher, image.texels);
-    for (const auto& [handle, m] : scene.materials()) hasher.bytes(&m.base_color, sizeof(m.base_color)).bytes(&m.emission, sizeof(m.emission)).add(m.roughness);
+    for (const auto& [handle, m] : scene.materials())
+        hasher.bytes(&m.base_color, sizeof(m.base_color)).bytes(&m.emission, sizeof(m.emission)).add(m.roughness);
     for (const auto& [handle, light] : scene.lights())
         hasher.bytes(&light.color, sizeof(light.color)).add(light.intensity).bytes(&light.place.world_from_object, sizeof(glm::mat4));
     add(hasher, scene.environment().radiance);

@@ -22,7 +22,8 @@ using namespace testing;
 namespace {
 
 bool uses_a_texture(const Material& material) {
-    return std::any_of(material_textures().begin(), material_textures().end(), [&](const MaterialTexture& t) { return bool((material.*t.ref).texture); });
+    return std::any_of(material_textures().begin(), material_textures().end(),
+                       [&](const MaterialTexture& t) { return bool((material.*t.ref).texture); });
 }
 
 // What a primitive lacks; empty if it is sound.
@@ -31,7 +32,8 @@ std::string flaw(const Scene& scene, const Primitive& p) {
     for (const glm::vec3& n : p.normals)
         if (!(std::abs(glm::length(n) - 1.0f) < 1e-3f)) return "a normal is not unit";
     for (const glm::vec4& t : p.tangents)
-        if (const float length = glm::length(glm::vec3(t)); !(length == 0.0f || std::abs(length - 1.0f) < 1e-3f)) return "a tangent is not unit";
+        if (const float length = glm::length(glm::vec3(t)); !(length == 0.0f || std::abs(length - 1.0f) < 1e-3f))
+            return "a tangent is not unit";
     if (uses_a_texture(material) && p.uv0.size() != p.positions.size()) return "no UVs";
     if (material.normal_texture.texture && p.tangents.size() != p.positions.size()) return "no tangents";
     for (const glm::vec2& uv : p.uv0)
@@ -96,7 +98,8 @@ int escapes(const bvh::testing::TestScene& scene, glm::vec3 from, glm::vec3 low,
         const glm::vec3 direction = glm::normalize(target - from);
         const bool found = bvh::trace_closest_host(scene.bottoms, scene.top, bvh::testing::make_ray(from, direction), hit, front);
         const glm::vec3 at = from + hit.t * direction;
-        const bool inside = found && hit.t < farthest && glm::all(glm::greaterThan(at, low - 1e-3f)) && glm::all(glm::lessThan(at, high + glm::vec3(1e-3f, 1e-3f, 0.051f)));
+        const bool inside = found && hit.t < farthest && glm::all(glm::greaterThan(at, low - 1e-3f)) &&
+                            glm::all(glm::lessThan(at, high + glm::vec3(1e-3f, 1e-3f, 0.051f)));
         count += !inside;
     }
     return count;
@@ -157,11 +160,13 @@ TEST(BuiltinWorlds, many_lights_has_8000_boxes_and_441_lights_that_may_vanish) {
     EXPECT_EQ(info.instances, 8000u + 441u + 1u);
     EXPECT_EQ(info.emitters, 441u);
     EXPECT_NEAR(loaded.scene.bounds().min.x, -200.0f, 2.0f);
-    for (const auto& [handle, material] : loaded.scene.materials()) EXPECT_LE(glm::max(material.emission.x, glm::max(material.emission.y, material.emission.z)), 60000.0f);
+    for (const auto& [handle, material] : loaded.scene.materials())
+        EXPECT_LE(glm::max(material.emission.x, glm::max(material.emission.y, material.emission.z)), 60000.0f);
     const auto seen = [&] {
         int count = 0;
         for (const auto& [handle, instance] : loaded.scene.instances())
-            count += loaded.scene.get(loaded.scene.get(instance.mesh).primitives[0].material).emission != glm::vec3(0.0f) && drawable(instance.place.world_from_object);
+            count += loaded.scene.get(loaded.scene.get(instance.mesh).primitives[0].material).emission != glm::vec3(0.0f) &&
+                     drawable(instance.place.world_from_object);
         return count;
     };
     EXPECT_EQ(seen(), 441);
@@ -172,7 +177,8 @@ TEST(BuiltinWorlds, many_lights_has_8000_boxes_and_441_lights_that_may_vanish) {
 
 TEST(BuiltinWorlds, nothing_gets_out_of_a_leak_box_until_its_door_opens) {
     LoadedScene loaded = builtin_once("builtin:leak-box");
-    for (const char* part : {"room", "1 cm", "5 cm", "20 cm", "door"}) EXPECT_TRUE(closed(mesh_named(loaded.scene, part).primitives[0])) << part;
+    for (const char* part : {"room", "1 cm", "5 cm", "20 cm", "door"})
+        EXPECT_TRUE(closed(mesh_named(loaded.scene, part).primitives[0])) << part;
     const auto count = [&](const char* name, float wall, float x) {
         const glm::vec3 low(x - 0.5f, wall - 0.001f, -1.7f), eye = camera_place(loaded.scene, name);
         EXPECT_TRUE(glm::all(glm::greaterThan(eye, low)) && glm::all(glm::lessThan(eye, low + 1.0f)));
@@ -197,7 +203,8 @@ TEST(BuiltinWorlds, forest_has_about_as_many_triangles_as_asked_for_and_no_tree_
         EXPECT_EQ(info.triangles, info.instanced_triangles);  // nothing is placed twice
         EXPECT_EQ(info.meshes, info.instances);
     }
-    for (const uint64_t triangles : {1ull, 7ull, 100ull}) EXPECT_GE(describe(make_builtin("builtin:forest", {.triangles = triangles})).triangles, 1u);
+    for (const uint64_t triangles : {1ull, 7ull, 100ull})
+        EXPECT_GE(describe(make_builtin("builtin:forest", {.triangles = triangles})).triangles, 1u);
     const Scene& scene = builtin_once("builtin:forest").scene;
     EXPECT_NE(mesh_named(scene, "tree 0").primitives[1].positions, mesh_named(scene, "tree 1").primitives[1].positions);
     EXPECT_EQ(scene.get(mesh_named(scene, "tree 0").primitives[1].material).alpha_mode, AlphaMode::Mask);
@@ -223,7 +230,8 @@ TEST(BuiltinWorlds, diorama_and_reflections_have_their_materials_and_edits) {
     for (const auto& [handle, m] : reflections.scene.materials())
         if (m.metallic == 1.0f) mirrors.push_back(m.roughness);
     EXPECT_GE(std::count(mirrors.begin(), mirrors.end(), 0.0f), 3);
-    for (const float roughness : {0.0314f, 0.12f, 0.24f, 1.0f}) EXPECT_GE(std::count(mirrors.begin(), mirrors.end(), roughness), 1) << roughness;
+    for (const float roughness : {0.0314f, 0.12f, 0.24f, 1.0f})
+        EXPECT_GE(std::count(mirrors.begin(), mirrors.end(), roughness), 1) << roughness;
 }
 
 TEST(BuiltinWorlds, animate_puts_a_scene_into_the_state_of_its_time) {
