@@ -21,6 +21,15 @@ Material lambert(std::string name, glm::vec3 albedo, glm::vec3 emission) {
     return material;
 }
 
+Material glossy(std::string name, glm::vec3 color, float metallic, float roughness) {
+    Material material;
+    material.name = std::move(name);
+    material.base_color = glm::vec4(color, 1.0f);
+    material.metallic = metallic;
+    material.roughness = roughness;
+    return material;
+}
+
 Handle<Camera> add_camera(SceneEdit& edit, std::string name, glm::vec3 from, glm::vec3 at, float yfov) {
     const CameraView view = look_at(from, at, yfov);
     Camera camera;
@@ -32,14 +41,29 @@ Handle<Camera> add_camera(SceneEdit& edit, std::string name, glm::vec3 from, glm
     return edit.add(std::move(camera));
 }
 
-Handle<Instance> add_object(SceneEdit& edit, std::string name, Primitive primitive, Handle<Material> material, const Transform& local) {
-    const Handle<Node> node = edit.add(Node{.name = name, .local = local});
+namespace {
+
+Handle<Mesh> add_mesh(SceneEdit& edit, std::string name, Primitive primitive, Handle<Material> material) {
     primitive.material = material;
     order_triangles_by_median(primitive);
     Mesh mesh;
     mesh.name = std::move(name);
     mesh.primitives.push_back(std::move(primitive));
-    return edit.add(Instance{.mesh = edit.add(std::move(mesh)), .place = {.node = node}});
+    return edit.add(std::move(mesh));
+}
+
+}  // namespace
+
+Handle<Instance> add_object(SceneEdit& edit, std::string name, Primitive primitive, Handle<Material> material, const Transform& local) {
+    const Handle<Node> node = edit.add(Node{.name = name, .local = local});
+    return edit.add(Instance{.mesh = add_mesh(edit, std::move(name), std::move(primitive), material), .place = {.node = node}});
+}
+
+Handle<Node> place_object(SceneEdit& edit, std::string name, Primitive primitive, Handle<Material> material, const Transform& local,
+                          Handle<Node> parent) {
+    const Handle<Node> node = edit.add(Node{.name = name, .parent = parent, .local = local});
+    edit.add(Instance{.mesh = add_mesh(edit, std::move(name), std::move(primitive), material), .place = {.node = node}});
+    return node;
 }
 
 namespace {
@@ -155,6 +179,11 @@ const Row kRows[] = {
     {{"builtin:furnace", "a sphere in constant light (albedo, emission, roughness, metallic)"}, builtin::make_furnace},
     {{"builtin:diffuse-box", "a closed room that reflects and emits everywhere (albedo, emission)"}, builtin::make_diffuse_box},
     {{"builtin:spheres", "spheres of five roughnesses by five metalnesses under a plain sky"}, builtin::make_spheres},
+    {{"builtin:diorama", "a reading nook in the evening sun: wood, cloth, metal, plants, lamps"}, builtin::make_diorama},
+    {{"builtin:forest", "trees without end, each a mesh of its own, with cut-out leaves (--triangles N)"}, builtin::make_forest},
+    {{"builtin:many-lights", "8,000 boxes under 441 glowing spheres, after Bevy Solari's scene"}, builtin::make_many_lights},
+    {{"builtin:reflections", "a hall of mirrors and metals of several roughnesses, after Bevy Solari's scene"}, builtin::make_reflections},
+    {{"builtin:leak-box", "closed dark boxes with walls of 1, 5 and 20 cm in a bright room"}, builtin::make_leak_box},
     {{"builtin:textured", "textures, normal maps, alpha, mirrored and stretched instances, a point light and an emitting panel"},
      builtin::make_textured},
 };

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "scene/builtin_scenes.h"
+#include "scene/builtin_textures.h"
 #include "scene/shapes.h"
 
 namespace parhelion::builtin {
@@ -26,16 +27,7 @@ Environment make_sky() {
     return sky;
 }
 
-template <class Pixel>
-Image make_image(std::string name, uint32_t size, Pixel&& pixel) {
-    Image image{.name = std::move(name), .width = size, .height = size};
-    for (uint32_t y = 0; y < size; ++y)
-        for (uint32_t x = 0; x < size; ++x) {
-            const glm::vec4 value = glm::clamp(pixel((float(x) + 0.5f) / float(size), (float(y) + 0.5f) / float(size)), 0.0f, 1.0f);
-            for (int c = 0; c < 4; ++c) image.texels.push_back(static_cast<uint8_t>(std::lround(value[c] * 255.0f)));
-        }
-    return image;
-}
+Image square_image(std::string name, uint32_t size, const PixelFunction& pixel) { return make_image(std::move(name), size, size, pixel); }
 
 bool checker(float u, float v, float cells) { return (int(u * cells) + int(v * cells)) % 2 == 0; }
 
@@ -43,17 +35,11 @@ struct Textures {
     TextureRef checker, bumps, metal_rough, cutout, glow;
 };
 
-TextureRef add_texture(SceneEdit& edit, Image image, ColorSpace space, const Sampler& sampler = {}) {
-    const std::string name = image.name;
-    const Handle<Image> handle = edit.add(std::move(image));
-    return {.texture = edit.add(Texture{.name = name, .image = handle, .sampler = sampler, .color_space = space})};
-}
-
 Textures add_textures(SceneEdit& edit) {
     Textures t;
     t.checker =
         add_texture(edit,
-                    make_image("checker", 64,
+                    square_image("checker", 64,
                                [](float u, float v) {
                                    // One red cell in the upper left corner shows orientation.
                                    if (u < 0.125f && v < 0.125f) return glm::vec4(0.9f, 0.1f, 0.1f, 1.0f);
@@ -61,7 +47,7 @@ Textures add_textures(SceneEdit& edit) {
                                }),
                     ColorSpace::Srgb);
     t.bumps = add_texture(edit,
-                          make_image("bumps", 64,
+                          square_image("bumps", 64,
                                      [](float u, float v) {
                                          // Round bumps, 4 x 4: the slope of a cosine, green pointing up in the image.
                                          constexpr float kTurn = 6.2831853f;
@@ -72,17 +58,17 @@ Textures add_textures(SceneEdit& edit) {
                           ColorSpace::Linear);
     t.metal_rough = add_texture(
         edit,
-        make_image("metal-rough", 32, [](float u, float v) { return glm::vec4(1.0f, 0.2f + 0.7f * v, u < 0.5f ? 1.0f : 0.0f, 1.0f); }),
+        square_image("metal-rough", 32, [](float u, float v) { return glm::vec4(1.0f, 0.2f + 0.7f * v, u < 0.5f ? 1.0f : 0.0f, 1.0f); }),
         ColorSpace::Linear);
     t.cutout = add_texture(edit,
-                           make_image("cutout", 64,
+                           square_image("cutout", 64,
                                       [](float u, float v) {
                                           const float r = std::hypot(u - 0.5f, v - 0.5f);
                                           return glm::vec4(0.3f, 0.7f, 0.3f, glm::clamp(4.0f * (0.45f - r) + 0.5f, 0.0f, 1.0f));
                                       }),
                            ColorSpace::Srgb, {.wrap_u = Wrap::ClampToEdge, .wrap_v = Wrap::ClampToEdge});
     t.glow = add_texture(edit,
-                         make_image("glow", 16,
+                         square_image("glow", 16,
                                     [](float u, float v) {
                                         return checker(u, v, 4.0f) ? glm::vec4(1.0f, 0.8f, 0.4f, 1.0f) : glm::vec4(0.1f, 0.1f, 0.3f, 1.0f);
                                     }),
@@ -94,15 +80,6 @@ Primitive textured_quad(glm::vec3 corner, glm::vec3 u, glm::vec3 v, float repeat
     Primitive quad;
     add_textured_quad(quad, corner, u, v, glm::vec2(repeats));
     return quad;
-}
-
-Material glossy(std::string name, glm::vec3 color, float metallic, float roughness) {
-    Material material;
-    material.name = std::move(name);
-    material.base_color = glm::vec4(color, 1.0f);
-    material.metallic = metallic;
-    material.roughness = roughness;
-    return material;
 }
 
 // Ground and back wall with a repeated, turned checker; a panel whose texture emits.

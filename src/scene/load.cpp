@@ -20,13 +20,40 @@ std::string file_hint(const std::filesystem::path& path) {
     return "SCENE is a .gltf or .glb file, or builtin:NAME";
 }
 
+// Puts the scene into the state that its scripted edit has at options.time.
+void animate(LoadedScene& loaded, const LoadOptions& options) {
+    std::string names;
+    for (const ScriptedEdit& edit : loaded.scripted_edits) {
+        if (edit.name == options.animate) {
+            loaded.scene.apply(edit.apply(options.time));
+            return;
+        }
+        names += (names.empty() ? "" : ", ") + edit.name;
+    }
+    throw Error(ErrorCode::Usage, fmt::format("{} has no scripted edit '{}'", loaded.scene.source().name, escape_name(options.animate)), "--animate",
+                names.empty() ? "it has none" : "it has " + names);
+}
+
+LoadedScene load_builtin(const std::string& name, const LoadOptions& options) {
+    find_variant({}, options.variant, name);
+    if (!options.animation.empty())
+        throw Error(ErrorCode::Usage, "animations belong to glTF files", "--animation", "--animate plays a scripted edit of a built-in scene");
+    try {
+        LoadedScene loaded = make_builtin(name, options.builtin);
+        if (!options.animate.empty()) animate(loaded, options);
+        loaded.scene.begin_frame();  // what stands somewhere at the start has not moved there
+        return loaded;
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorCode::Failed, "does not fit into the memory of this machine", escape_name(name));
+    }
+}
+
 }  // namespace
 
 LoadedScene load_scene(const std::string& name, const LoadOptions& options) {
-    if (is_builtin(name)) {
-        find_variant({}, options.variant, name);
-        return make_builtin(name, options.builtin);
-    }
+    if (is_builtin(name)) return load_builtin(name, options);
+    if (!options.animate.empty())
+        throw Error(ErrorCode::Usage, "scripted edits belong to built-in scenes", "--animate", "--animation plays an animation of a glTF file");
     const std::filesystem::path path(name);
     const std::string shown = escape_name(name);
     std::error_code ec;
@@ -39,6 +66,7 @@ LoadedScene load_scene(const std::string& name, const LoadOptions& options) {
         out.scene.apply(read_gltf(files, *bytes, shown, {.median_order = options.median_order, .keep_encoded = options.keep_encoded, .variant = options.variant}));
         const auto charge = [&](uint64_t memory) { files.charge(memory, shown); };
         if (!options.at_rest) out.scene.apply(pose_at(out.scene, options.time, options.animation, charge));
+        out.scene.begin_frame();
         for (const std::string& warning : out.scene.source().warnings) log(LogLevel::Warn, "{}: {}", shown, warning);
         return out;
     } catch (const std::bad_alloc&) {

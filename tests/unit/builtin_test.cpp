@@ -4,78 +4,24 @@
 #include <gtest/gtest.h>
 
 #include <map>
-#include <tuple>
 
-#include "base/hash.h"
 #include "scene/camera.h"
 #include "scene/info.h"
 #include "scene/load.h"
 #include "scene/shapes.h"
+#include "builtin_support.h"
 
 namespace parhelion {
 
-namespace {
-
-template <class V>
-void add(Hasher& hasher, const std::vector<V>& values) {
-    hasher.add(values.size()).bytes(values.data(), values.size() * sizeof(V));
-}
-
-uint64_t hash_scene(const Scene& scene) {
-    Hasher hasher;
-    for (const auto& [handle, mesh] : scene.meshes())
-        for (const Primitive& p : mesh.primitives) {
-            add(hasher, p.positions);
-            add(hasher, p.normals);
-            add(hasher, p.tangents);
-            add(hasher, p.uv0);
-            add(hasher, p.triangles);
-        }
-    for (const auto& [handle, instance] : scene.instances()) hasher.bytes(&instance.place.world_from_object, sizeof(glm::mat4));
-    for (const auto& [handle, image] : scene.images()) add(hasher, image.texels);
-    add(hasher, scene.environment().radiance);
-    return hasher.value();
-}
-
-double signed_volume(const Primitive& primitive) {
-    double volume = 0.0;
-    for (const glm::uvec3& t : primitive.triangles) {
-        const glm::dvec3 a(primitive.positions[t.x]), b(primitive.positions[t.y]), c(primitive.positions[t.z]);
-        volume += glm::dot(a, glm::cross(b, c)) / 6.0;
-    }
-    return volume;
-}
-
-// Closed: every directed edge, by position, has its opposite.
-bool closed(const Primitive& primitive) {
-    using Key = std::tuple<float, float, float, float, float, float>;
-    std::map<Key, int> edges;
-    for (const glm::uvec3& t : primitive.triangles)
-        for (int i = 0; i < 3; ++i) {
-            const glm::vec3 a = primitive.positions[t[i]] + 0.0f, b = primitive.positions[t[(i + 1) % 3]] + 0.0f;
-            ++edges[{a.x, a.y, a.z, b.x, b.y, b.z}];
-            --edges[{b.x, b.y, b.z, a.x, a.y, a.z}];
-        }
-    for (const auto& [edge, count] : edges)
-        if (count != 0) return false;
-    return true;
-}
-
-const Mesh& mesh_named(const Scene& scene, std::string_view name) {
-    for (const auto& [handle, mesh] : scene.meshes())
-        if (mesh.name == name) return mesh;
-    throw Error(ErrorCode::Failed, "no such mesh");
-}
-
-}  // namespace
+using namespace testing;
 
 TEST(Builtin, every_scene_is_made_alike_each_time_and_has_a_camera_and_light) {
     for (const BuiltinEntry& entry : builtin_scenes()) {
-        const LoadedScene once = make_builtin(entry.name), twice = make_builtin(entry.name);
+        const LoadedScene &once = builtin_once(entry.name), twice = make_builtin(entry.name);
         EXPECT_EQ(hash_scene(once.scene), hash_scene(twice.scene)) << entry.name;
         const SceneInfo info = describe(once);
         EXPECT_EQ(info.name, entry.name);
-        EXPECT_EQ(info.cameras.size(), 1u) << entry.name;
+        EXPECT_GE(info.cameras.size(), 1u) << entry.name;
         EXPECT_TRUE(info.emitters + info.lights.size() > 0 || info.environment) << entry.name;
         EXPECT_FALSE(info.bounds.empty()) << entry.name;
         EXPECT_FALSE(entry.help.empty());
@@ -174,7 +120,7 @@ TEST(Builtin, textured_holds_what_real_assets_bring) {
 
 TEST(Builtin, scripted_edits_depend_on_the_time_alone) {
     for (const BuiltinEntry& entry : builtin_scenes()) {
-        LoadedScene a = make_builtin(entry.name), b = make_builtin(entry.name);
+        LoadedScene a = builtin_once(entry.name), b = a;
         for (const ScriptedEdit& edit : a.scripted_edits) {
             const ChangeSet moved = a.scene.apply(edit.apply(0.4));
             EXPECT_FALSE(moved.empty()) << edit.name;
