@@ -82,12 +82,16 @@ private:
         }
         if (const auto camera_ref = json.find("camera")) {
             Camera camera = read_camera(document_, document_.entry("cameras", *camera_ref));
+            charge_name(*camera_ref, camera.name);
             if (camera.name.empty()) camera.name = node_name;
             camera.place.node = node;
             edit_.add(std::move(camera));
         }
         if (const auto extension = json.extension("KHR_lights_punctual")) add_light(extension->at("light"), node, node_name);
     }
+
+    // Every node that names the same camera or light gets one of its own, with its name.
+    void charge_name(const JsonRef& use, const std::string& name) { document_.files().charge(sizeof(Camera) + name.size(), use.where()); }
 
     void add_light(const JsonRef& ref, Handle<Node> node, const std::string& node_name) {
         const std::optional<JsonRef> table = document_.root().extension("KHR_lights_punctual");
@@ -96,6 +100,7 @@ private:
         const uint64_t index = ref.as_uint(0xFFFFFFFFull);
         if (index >= lights.size()) ref.fail(fmt::format("names light {}, but the file has {}", index, lights.size()));
         Light light = read_light(document_, lights[index]);
+        charge_name(ref, light.name);
         if (light.name.empty()) light.name = node_name;
         light.place.node = node;
         edit_.add(std::move(light));

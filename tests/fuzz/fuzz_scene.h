@@ -11,7 +11,7 @@
 namespace parhelion::fuzz {
 
 // Small, so that one input takes milliseconds and a broken promise about memory is seen as one.
-inline constexpr SceneFileLimits kLimits{.budget_base_bytes = 16ull << 20, .budget_factor = 64};
+inline constexpr SceneFileLimits kLimits{.budget_base_bytes = 1ull << 20, .budget_factor = 64};
 
 inline void load(std::span<const std::byte> file) {
     SceneFiles files({}, kLimits);
