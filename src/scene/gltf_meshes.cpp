@@ -1,7 +1,7 @@
 #include "scene/gltf_meshes.h"
 
-#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "scene/gltf_accessors.h"
 #include "scene/median_order.h"
@@ -136,16 +136,6 @@ bool read_triangles(GltfDocument& document, const JsonRef& json, Primitive& out)
     return !out.triangles.empty();
 }
 
-// They cannot be hit; the picture is right without them.
-void warn_of_flat_triangles(GltfDocument& document, const JsonRef& json, const Primitive& primitive) {
-    const auto has_no_area = [&](const glm::uvec3& t) {
-        const glm::dvec3 a(primitive.positions[t.x]), b(primitive.positions[t.y]), c(primitive.positions[t.z]);
-        return glm::cross(b - a, c - a) == glm::dvec3(0.0);
-    };
-    const auto count = std::count_if(primitive.triangles.begin(), primitive.triangles.end(), has_no_area);
-    if (count != 0) document.warn(json, fmt::format("{} of its {} triangles have no area", count, primitive.triangles.size()));
-}
-
 }  // namespace
 
 std::set<std::optional<uint32_t>> materials_of(const JsonRef& mesh) {
@@ -172,7 +162,6 @@ Mesh read_mesh(GltfDocument& document, const JsonRef& json, const MaterialHandle
         primitive.positions = read_vectors<3>(document, *positions);
         check_reach(*positions, primitive.positions);
         if (!read_triangles(document, primitive_json, primitive)) continue;
-        warn_of_flat_triangles(document, primitive_json, primitive);
         read_attributes(document, attributes, primitive);
         const std::optional<uint32_t> material = material_of(primitive_json);
         primitive.material = materials.at(material);

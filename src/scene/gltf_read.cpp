@@ -1,5 +1,6 @@
 #include "scene/gltf_read.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "scene/gltf_document.h"
@@ -41,10 +42,21 @@ private:
                 else
                     needs_default = true;
         const MaterialHandles handles = add_materials(document_, edit_, materials, needs_default);
+        uint64_t flat = 0;
         for (const uint32_t index : meshes) {
             Mesh mesh = read_mesh(document_, document_.root().at("meshes")[index], handles, {.median_order = options_.median_order});
+            for (const Primitive& primitive : mesh.primitives) flat += count_flat_triangles(primitive);
             if (!mesh.primitives.empty()) meshes_[index] = edit_.add(std::move(mesh));
         }
+        if (flat != 0) document_.warn(fmt::format("triangles without area, which are never seen: {}", flat));
+    }
+
+    static uint64_t count_flat_triangles(const Primitive& primitive) {
+        const auto is_flat = [&](const glm::uvec3& t) {
+            const glm::dvec3 a(primitive.positions[t.x]), b(primitive.positions[t.y]), c(primitive.positions[t.z]);
+            return glm::cross(b - a, c - a) == glm::dvec3(0.0);
+        };
+        return static_cast<uint64_t>(std::count_if(primitive.triangles.begin(), primitive.triangles.end(), is_flat));
     }
 
     void add_nodes() {

@@ -279,6 +279,9 @@ TEST(DecodeImage, limits_are_checked_before_decoding) {
     EXPECT_NO_THROW(decode_png(png(20, 8), tight));
     for (const auto& [width, height] : {std::pair{21u, 1u}, {1u, 21u}, {20u, 11u}, {16u, 11u}}) EXPECT_THROW(decode_png(png(width, height), tight), Error);
     EXPECT_THROW(decode_jpeg(make_jpeg(21, 4, 3, false, smooth), tight), Error);
+    EXPECT_NO_THROW(decode_jpeg(make_jpeg(21, 4, 3, false, smooth), {.max_bytes = 21 * 4 * 4}));
+    EXPECT_NO_THROW(decode_jpeg(make_jpeg(21, 4, 3, true, smooth), {.max_bytes = 21 * 4 * 10}));
+    EXPECT_THROW(decode_jpeg(make_jpeg(21, 4, 3, true, smooth), {.max_bytes = 21 * 4 * 10 - 1}), Error);
     EXPECT_THROW(decode_hdr(make_rle_hdr(), {.max_width = 15}), Error);
     EXPECT_THROW(decode_hdr(make_rle_hdr(), {.max_bytes = 16 * 3 * 12 - 1}), Error);
     EXPECT_THROW(decode_exr(sample_exr(), {.max_pixels = 23 * 19 - 1}), Error);

@@ -70,7 +70,7 @@ struct Outcome {
 
 // Warnings that say nothing about an error of the file.
 bool tells_of_an_error(const std::string& warning) {
-    for (const char* other : {"the scene is empty", "has no scene", "is not drawn", "are not drawn"})
+    for (const char* other : {"the scene is empty", "has no scene", "is not drawn", "are not drawn", "without area"})
         if (warning.find(other) != std::string::npos) return false;
     return true;
 }
