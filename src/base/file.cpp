@@ -51,16 +51,18 @@ void remove_leftovers(const fs::path& target) {
 }  // namespace
 
 std::vector<std::byte> read_file(const fs::path& path, uint64_t max_bytes) {
+    const auto refuse_kind = [&](bool folder) { fail(path, folder ? "is a folder, not a file" : "is a pipe or device, not a regular file"); };
     std::error_code ec;
     const fs::file_status status = fs::status(path, ec);
     if (ec || status.type() == fs::file_type::not_found) fail(path, "there is no such file");
-    if (status.type() == fs::file_type::directory) fail(path, "is a folder, not a file");
-    if (status.type() != fs::file_type::regular) fail(path, "is a pipe or device, not a regular file");
-    const uint64_t size = fs::file_size(path, ec);
-    if (ec) fail(path, "its size cannot be read: " + ec.message());
-    if (size > max_bytes) fail(path, fmt::format("is {} bytes large; the limit here is {}", size, max_bytes));
-    const FileHandle file(std::fopen(path.c_str(), "rb"));
+    // Asked before, because opening a device may do something, and after, because the name may stand for another file by then.
+    if (status.type() != fs::file_type::regular) refuse_kind(status.type() == fs::file_type::directory);
+    const platform::OpenedFile opened = platform::open_for_reading(path);
+    const FileHandle file(opened.file);
     if (!file) fail(path, fmt::format("cannot be opened: {}", std::strerror(errno)));
+    if (opened.kind != platform::FileKind::Regular) refuse_kind(opened.kind == platform::FileKind::Folder);
+    const uint64_t size = opened.size;
+    if (size > max_bytes) fail(path, fmt::format("is {} bytes large; the limit here is {}", size, max_bytes));
     std::vector<std::byte> bytes(size);
     if (size != 0 && std::fread(bytes.data(), 1, size, file.get()) != size) fail(path, "could not be read to its end");
     return bytes;

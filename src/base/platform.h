@@ -2,6 +2,7 @@
 // Everything that is tied to an operating system. platform_posix.cpp is the only implementation so far; another system adds a
 // file beside it and nothing else changes.
 #include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <string>
 
@@ -19,7 +20,18 @@ uint64_t process_id();
 bool process_exists(uint64_t process);
 uint64_t resident_bytes();  // memory this process holds now
 uint64_t peak_resident_bytes();
+uint64_t physical_bytes();  // memory of this machine
 std::filesystem::path cache_folder();  // PARHELION_CACHE_DIR, else the user's cache folder / parhelion
+
+// Opens a file for reading without ever waiting (opening a pipe waits for its other end) and says what was opened: the name may have
+// stood for something else a moment ago. Nothing but a regular file is meant to be read.
+enum class FileKind { Regular, Folder, Other };
+struct OpenedFile {
+    std::FILE* file = nullptr;  // null: errno says why
+    FileKind kind = FileKind::Other;
+    uint64_t size = 0;  // bytes
+};
+OpenedFile open_for_reading(const std::filesystem::path& path);
 
 // Flushes a file's data to the disk; false if that failed (disk full shows up here).
 bool sync_file(const std::filesystem::path& path);

@@ -9,6 +9,7 @@
 #include <fcntl.h>
 #include <sys/ioctl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace parhelion::platform {
@@ -59,11 +60,27 @@ bool process_exists(uint64_t process) { return kill(static_cast<pid_t>(process),
 uint64_t resident_bytes() { return status_kilobytes("VmRSS:") * 1024; }
 uint64_t peak_resident_bytes() { return status_kilobytes("VmHWM:") * 1024; }
 
+uint64_t physical_bytes() { return static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGESIZE)); }
+
 std::filesystem::path cache_folder() {
     if (const char* own = std::getenv("PARHELION_CACHE_DIR"); own && *own) return own;
     if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg && *xdg) return std::filesystem::path(xdg) / "parhelion";
     if (const char* home = std::getenv("HOME"); home && *home) return std::filesystem::path(home) / ".cache" / "parhelion";
     return std::filesystem::temp_directory_path() / "parhelion-cache";
+}
+
+OpenedFile open_for_reading(const std::filesystem::path& path) {
+    OpenedFile out;
+    const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    if (descriptor < 0) return out;
+    struct stat status {};
+    if (fstat(descriptor, &status) == 0) {
+        out.kind = S_ISREG(status.st_mode) ? FileKind::Regular : S_ISDIR(status.st_mode) ? FileKind::Folder : FileKind::Other;
+        out.size = static_cast<uint64_t>(status.st_size);
+        out.file = fdopen(descriptor, "rb");
+    }
+    if (out.file == nullptr) close(descriptor);
+    return out;
 }
 
 bool sync_file(const std::filesystem::path& path) {

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cstring>
 #include <functional>
+#include <map>
+#include <optional>
+#include <string_view>
 
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
@@ -75,19 +78,38 @@ std::string read_name(MemoryInput& input) {
     throw Iex::InputExc("a name in the header has no end");
 }
 
-// Walks over one header: OpenEXR 3.1 allocates what an attribute's size says before it looks whether the file holds as much.
+// Bytes that OpenEXR reads for an attribute of a type, whatever size the file gives it; none for types that go by that size.
+std::optional<uint64_t> bytes_of_type(std::string_view type) {
+    static const std::map<std::string_view, uint64_t> kBytes = {
+        {"box2f", 16}, {"box2i", 16},    {"chromaticities", 32}, {"compression", 1}, {"deepImageState", 1}, {"double", 8}, {"envmap", 1},
+        {"float", 4},  {"int", 4},       {"keycode", 28},        {"lineOrder", 1},   {"m33d", 72},          {"m33f", 36},  {"m44d", 128},
+        {"m44f", 64},  {"rational", 8},  {"tiledesc", 9},        {"timecode", 8},    {"v2d", 16},           {"v2f", 8},    {"v2i", 8},
+        {"v3d", 24},   {"v3f", 12},      {"v3i", 12},
+    };
+    const auto found = kBytes.find(type);
+    return found == kBytes.end() ? std::nullopt : std::optional(found->second);
+}
+
+// Walks over one header: OpenEXR 3.1 allocates what an attribute's size says before it looks whether the file holds as much. It also reads
+// most types without regard for that size, so that another walk than this one would see other attributes: sizes must be those of the types.
 void check_attribute_sizes(MemoryInput& input, uint64_t file_size) {
+    const auto skip = [&](uint64_t bytes) { input.seekg(input.tellg() + bytes); };
     while (!read_name(input).empty()) {
         const std::string type = read_name(input);
         const uint64_t size = read_number(input), begin = input.tellg(), end = begin + size;
         if (end > file_size) throw Iex::InputExc("an attribute in the header is larger than the file");
-        if (type == "stringvector")
-            while (input.tellg() < end) {
-                const uint64_t length = read_number(input);
-                if (length > file_size) throw Iex::InputExc("an attribute in the header is larger than the file");
-                input.seekg(input.tellg() + length);
-            }
-        input.seekg(end);
+        if (type == "stringvector") {
+            while (input.tellg() < end) skip(read_number(input));
+        } else if (type == "chlist") {
+            while (!read_name(input).empty()) skip(16);
+        } else if (type == "preview") {
+            const uint64_t width = read_number(input), height = read_number(input);
+            if (width * height > file_size) throw Iex::InputExc("an attribute in the header is larger than the file");
+            skip(4 * width * height);
+        } else {
+            skip(bytes_of_type(type).value_or(type == "floatvector" ? size / 4 * 4 : size));
+        }
+        if (input.tellg() != end) throw Iex::InputExc("an attribute in the header has a wrong size");
     }
 }
 

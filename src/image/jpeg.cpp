@@ -91,11 +91,13 @@ Texture8 decode_jpeg(std::span<const std::byte> bytes, const DecodeLimits& limit
     if (!read_header(reader, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size())) refuse();
 
     Texture8 out{.width = reader.info.image_width, .height = reader.info.image_height};
-    check_limits(out.width, out.height, 4, limits, where);
+    // A file of several scans keeps all coefficients until the last, 2 bytes each.
+    const uint64_t coefficient_bytes = jpeg_has_multiple_scans(&reader.info) ? uint64_t{2} * static_cast<uint64_t>(reader.info.num_components) : 0;
+    check_limits(out.width, out.height, 4 + coefficient_bytes, limits, where);
     if (reader.info.jpeg_color_space == JCS_CMYK || reader.info.jpeg_color_space == JCS_YCCK)
         refuse_image(where, "is a CMYK JPEG, which is not supported", "save it as RGB");
     reader.info.out_color_space = JCS_EXT_RGBA;
-    // A progressive file keeps all coefficients, 2 bytes each; beyond the limit the library fails by itself.
+    // Beyond this the library fails by itself.
     reader.info.mem->max_memory_to_use = static_cast<long>(std::min<uint64_t>(4 * limits.max_bytes, uint64_t{1} << 40));
     out.rgba.resize(size_t{4} * out.width * out.height);
     if (!read_rows(reader, out.rgba.data())) refuse();

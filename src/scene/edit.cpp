@@ -185,12 +185,17 @@ struct Scene::Checker {
     void operator()(const Environment& environment) const { detail::check_value(environment); }
     void operator()(const SceneSource&) const {}
 
+    // This edit says what takes its place.
+    bool is_posed_anew(Handle<Instance> user, const Instance& value, const Handle<Mesh>& used) const { return &used == &value.posed && posed.contains(user); }
+    template <class T, class U>
+    bool is_posed_anew(Handle<T>, const T&, const Handle<U>&) const {
+        return false;
+    }
     template <class T>
     void check_uses(Handle<T> user, const T& value) const {
         if (!alive(user)) return;
         detail::visit_const_refs(value, [&]<class U>(const Handle<U>& used, bool) {
-            if constexpr (std::is_same_v<T, Instance> && std::is_same_v<U, Mesh>)
-                if (&used == &value.posed && posed.contains(user)) return;  // this edit says what takes its place
+            if (is_posed_anew(user, value, used)) return;
             if (used && std::get<HandleSetOf<U>>(removed).set.contains(used))
                 throw Error(ErrorCode::Failed, fmt::format("cannot remove a {} that is still in use ({})", U::kTypeName, T::kTypeName),
                             "scene edit: remove", "remove or change its users in the same edit");
@@ -210,17 +215,15 @@ struct Scene::Checker {
         });
         uint32_t serials[kKindCount] = {};
         for (const SceneEdit::Step& step : edit.steps_)
-            std::visit(
-                [&]<class S>(const S& s) {
-                    for_each_type(SceneTypes{}, [&]<class T>() {
-                        if constexpr (std::is_same_v<S, SceneEdit::Add<T>>) {
-                            const Handle<T> handle{serials[kKind<T>]++, edit.serial_ | Handle<T>::kPendingBit};
-                            check_uses(handle, final_value(handle, s.value));
-                        }
-                    });
-                },
-                step);
+            std::visit([&](const auto& s) { check_added(s, serials); }, step);
     }
+    template <class T>
+    void check_added(const SceneEdit::Add<T>& step, uint32_t (&serials)[kKindCount]) const {
+        const Handle<T> handle{serials[kKind<T>]++, edit.serial_ | Handle<T>::kPendingBit};
+        check_uses(handle, final_value(handle, step.value));
+    }
+    template <class Other>
+    void check_added(const Other&, uint32_t (&)[kKindCount]) const {}
 };
 
 // ---- applying ----

@@ -1,6 +1,8 @@
 #include "scene/gltf_images.h"
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -84,14 +86,21 @@ std::map<uint32_t, Handle<Image>> add_images(GltfDocument& document, SceneEdit& 
         check_mime_type(document, jobs.back());
     }
 
-    // Several at once, each within its share of the budget; what that refuses (or is broken) has its turn alone, with all of it.
+    // Several at once, each within its share of the budget; what that refuses (or is broken) has its turn alone, with all of it. The first
+    // broken one will end it all then: a second of work on those that fail is enough, for a file may name thousands.
     SceneFiles& files = document.files();
+    using Clock = std::chrono::steady_clock;
+    std::atomic<Clock::rep> wasted = 0;
     parallel_for(jobs.size(), 1, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) try {
+        for (size_t i = begin; i < end && wasted < Clock::duration(std::chrono::seconds(1)).count(); ++i) {
+            const Clock::time_point start = Clock::now();
+            try {
                 decode(jobs[i], files, files.budget_left() / (2 * hardware_threads()));
             } catch (const Error&) {
                 jobs[i].decoded = {};
+                wasted += (Clock::now() - start).count();
             }
+        }
     });
     std::map<uint32_t, Handle<Image>> out;
     for (Job& job : jobs) {

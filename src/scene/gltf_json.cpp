@@ -1,6 +1,8 @@
 #include "scene/gltf_json.h"
 
 #include <cmath>
+#include <set>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -30,10 +32,38 @@ JsonShape measure_json(std::string_view text) {
             depth -= depth > 0 ? 1 : 0;
         } else if (c == ',') {
             ++shape.values;
+        } else if (c == ':') {
+            ++shape.keys;
         }
     }
     return shape;
 }
+
+namespace {
+
+// Members of all objects; the nesting is limited.
+uint64_t count_members(const json& value) {
+    uint64_t count = value.is_object() ? value.size() : 0;
+    if (value.is_structured())
+        for (const json& child : value) count += count_members(child);
+    return count;
+}
+
+// The first key that an object of the text names twice.
+std::string find_repeated_key(std::string_view text) {
+    std::vector<std::set<std::string>> objects;
+    std::string repeated;
+    [[maybe_unused]] const json again = json::parse(text, [&](int, json::parse_event_t event, json& parsed) {
+        if (event == json::parse_event_t::object_start) objects.emplace_back();
+        if (event == json::parse_event_t::object_end) objects.pop_back();
+        if (event == json::parse_event_t::key && !objects.back().insert(parsed.get<std::string>()).second && repeated.empty())
+            repeated = parsed.get<std::string>();
+        return true;
+    });
+    return repeated;
+}
+
+}  // namespace
 
 JsonDocument::JsonDocument(std::string_view text, std::string file_name, const JsonLimits& limits) : file_name_(std::move(file_name)) {
     const auto refuse = [&](std::string what, std::string hint) {
@@ -53,6 +83,9 @@ JsonDocument::JsonDocument(std::string_view text, std::string file_name, const J
         if (const size_t end = message.find("] "); end != std::string_view::npos) message.remove_prefix(end + 2);
         refuse(fmt::format("is not valid JSON: {}", escape_name(message)), "");
     }
+    // glTF 2.0, 2.7: keys must be unique. Readers that take the first and readers that take the last would show different scenes.
+    if (count_members(*json_) != shape_.keys)
+        refuse(fmt::format("an object in its JSON has the key '{}' twice", escape_name(find_repeated_key(text), 40)), "remove one");
     if (!json_->is_object()) refuse("its JSON is not an object", "a glTF file begins with '{'");
 }
 

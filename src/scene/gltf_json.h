@@ -24,6 +24,7 @@ struct JsonLimits {
 struct JsonShape {
     uint32_t depth = 0;   // of nested arrays and objects
     uint64_t values = 0;  // upper bound on the number of values
+    uint64_t keys = 0;    // of valid JSON: members of all objects, those that come twice too
 };
 JsonShape measure_json(std::string_view text);
 

@@ -1,5 +1,6 @@
 #include "scene/gltf_read.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "scene/gltf_animation.h"
@@ -53,12 +54,23 @@ private:
                 else
                     needs_default = true;
         const MaterialHandles handles = add_materials(document_, edit_, materials, needs_default, keep_encoded_);
+        uint64_t flat = 0;
         for (const uint32_t index : meshes) {
             Mesh mesh = read_mesh(document_, document_.root().at("meshes")[index], handles, mesh_options_);
             if (mesh.primitives.empty()) continue;
+            for (const Primitive& primitive : mesh.primitives) flat += count_flat_triangles(primitive);
             deformation_[index] = {joints_needed(mesh), static_cast<uint32_t>(mesh.primitives[0].targets.size())};
             meshes_[index] = edit_.add(std::move(mesh));
         }
+        if (flat != 0) document_.warn(fmt::format("triangles without area, which are never seen: {}", flat));
+    }
+
+    static uint64_t count_flat_triangles(const Primitive& primitive) {
+        const auto is_flat = [&](const glm::uvec3& t) {
+            const glm::dvec3 a(primitive.positions[t.x]), b(primitive.positions[t.y]), c(primitive.positions[t.z]);
+            return glm::cross(b - a, c - a) == glm::dvec3(0.0);
+        };
+        return static_cast<uint64_t>(std::count_if(primitive.triangles.begin(), primitive.triangles.end(), is_flat));
     }
 
     void add_nodes() {
@@ -139,6 +151,7 @@ private:
         }
         if (const auto camera_ref = json.find("camera")) {
             Camera camera = read_camera(document_, document_.entry("cameras", *camera_ref));
+            charge_name(*camera_ref, camera.name);
             if (camera.name.empty()) camera.name = node_name;
             camera.place.node = node;
             edit_.add(std::move(camera));
@@ -163,6 +176,9 @@ private:
         }
     }
 
+    // Every node that names the same camera or light gets one of its own, with its name.
+    void charge_name(const JsonRef& use, const std::string& name) { document_.files().charge(sizeof(Camera) + name.size(), use.where()); }
+
     void add_light(const JsonRef& ref, Handle<Node> node, const std::string& node_name) {
         const std::optional<JsonRef> table = document_.root().extension("KHR_lights_punctual");
         if (!table) ref.fail("names a light, but the file has none", "extensions.KHR_lights_punctual.lights");
@@ -170,6 +186,7 @@ private:
         const uint64_t index = ref.as_uint(0xFFFFFFFFull);
         if (index >= lights.size()) ref.fail(fmt::format("names light {}, but the file has {}", index, lights.size()));
         Light light = read_light(document_, lights[index]);
+        charge_name(ref, light.name);
         if (light.name.empty()) light.name = node_name;
         light.place.node = node;
         edit_.add(std::move(light));

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/platform.h"
 
 namespace parhelion {
 
@@ -44,6 +45,8 @@ bool lies_below(const fs::path& path, const fs::path& folder) {
     const auto [folder_end, path_at] = std::mismatch(folder.begin(), folder.end(), path.begin(), path.end());
     return folder_end == folder.end() && path_at != path.end();
 }
+
+constexpr size_t kMaxUriBytes = 4096;  // of a file's name
 
 constexpr std::array<int8_t, 256> make_base64_table() {
     std::array<int8_t, 256> table{};
@@ -113,7 +116,8 @@ SceneFiles::SceneFiles(fs::path root, const SceneFileLimits& limits) : limits_(l
 }
 
 uint64_t SceneFiles::budget_left() const {
-    const uint64_t budget = limits_.budget_base_bytes + limits_.budget_factor * std::min<uint64_t>(bytes_read_, 1ull << 50);
+    static const uint64_t machine = platform::physical_bytes();
+    const uint64_t budget = std::min(machine, limits_.budget_base_bytes + limits_.budget_factor * std::min<uint64_t>(bytes_read_, 1ull << 50));
     const uint64_t used = charged_;
     return used < budget ? budget - used : 0;
 }
@@ -128,7 +132,7 @@ void SceneFiles::charge(uint64_t bytes, std::string_view where) {
 
 SceneFiles::Bytes SceneFiles::read_counted(const fs::path& path, std::string_view where) {
     try {
-        Bytes bytes = std::make_shared<const std::vector<std::byte>>(read_file(path, limits_.max_file_bytes));
+        Bytes bytes = std::make_shared<const std::vector<std::byte>>(read_file(path, std::min(limits_.max_file_bytes, platform::physical_bytes())));
         bytes_read_ += bytes->size();
         charge(bytes->size(), where);
         return bytes;
@@ -148,15 +152,22 @@ fs::path SceneFiles::resolve(std::string_view uri, std::string_view where) const
     std::string decoded = percent_decode(uri);
     std::replace(decoded.begin(), decoded.end(), '\\', '/');
     if (decoded.empty()) fail(where, "has an empty URI");
+    if (decoded.size() > kMaxUriBytes) fail(where, fmt::format("the URI '{}' is {} bytes long; the limit is {}", shown, decoded.size(), kMaxUriBytes));
     if (decoded.find('\0') != std::string::npos) fail(where, fmt::format("the URI '{}' holds a zero byte", shown));
+    if (decoded.starts_with("//")) fail(where, fmt::format("the URI '{}' names another machine; only files beside the scene are read", shown));
     const fs::path relative(decoded);
-    const std::string outside = fmt::format("the URI '{}' leads out of the scene's folder", shown);
-    const std::string hint = "--allow-external permits it";
-    if (!limits_.allow_external && relative.has_root_path()) fail(where, outside, hint);
+    const auto require_inside = [&](const fs::path& path) {
+        if (limits_.allow_external || lies_below(path, root_)) return;
+        fail(where, fmt::format("the URI '{}' leads out of the scene's folder", shown), "--allow-external permits it");
+    };
+    // By its text first: an error must not tell what there is outside of the folder.
+    require_inside((root_ / relative).lexically_normal());
+    // Then with every link followed. The path must exist whole: what lies behind a folder that does not exist could be a link.
     std::error_code ec;
-    const fs::path path = fs::weakly_canonical(root_ / relative, ec);
+    const fs::path path = fs::canonical(root_ / relative, ec);
+    if (ec == std::errc::no_such_file_or_directory) fail(where, fmt::format("'{}' there is no such file", shown));
     if (ec) fail(where, fmt::format("'{}' cannot be resolved: {}", shown, ec.message()));
-    if (!limits_.allow_external && !lies_below(path, root_)) fail(where, outside, hint);
+    require_inside(path);
     return path;
 }
 

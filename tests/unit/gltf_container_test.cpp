@@ -97,6 +97,21 @@ TEST(GltfContainer, json_is_checked_before_it_is_parsed) {
     EXPECT_CONTAINS(error_of(to_bytes(many + "]}"), {.budget_base_bytes = 1u << 20}), "its JSON holds 1000005 values");
 }
 
+TEST(GltfContainer, a_key_that_comes_twice_is_refused_by_name) {
+    EXPECT_CONTAINS(error_of(to_bytes(R"({"asset":{"version":"2.0"},"extras":[{"a:b":1,"c":2},{"c":1,"deep":{"x":":","d\u0065ep":[],"x":0}}]})")),
+                    "has the key 'x' twice");
+    EXPECT_CONTAINS(error_of(to_bytes(R"({"asset":{"version":"2.0"},"nodes":[],"nodes":[]})")), "has the key 'nodes' twice");
+    EXPECT_EQ(error_of(to_bytes(R"({"asset":{"version":"2.0"},"extras":{"a":":\":","b":{"a":{"a":0}}}})")), "");
+}
+
+TEST(GltfContainer, numbers_out_of_range_are_refused_wherever_they_are) {
+    const auto with = [](const std::string& value) { return error_of(to_bytes(R"({"asset":{"version":"2.0"},"scene":)" + value + R"(,"scenes":[{}]})")); };
+    for (const char* zero : {"0", "-0", "0.0", "-0.0", "0e5"}) EXPECT_EQ(with(zero), "") << zero;
+    for (const char* wrong : {"1", "-1", "0.5", "1e300", "4294967296", "18446744073709551615", "18446744073709551616", "-9223372036854775809"})
+        EXPECT_CONTAINS(with(wrong), "scene");
+    for (const char* broken : {"1e999", "-1e999", "NaN", "Infinity", "0x1", "01", "+1", ".5"}) EXPECT_CONTAINS(with(broken), "is not valid JSON");
+}
+
 TEST(GltfContainer, versions_other_than_two_are_refused) {
     const auto error = [](json asset) {
         GltfMaker maker;

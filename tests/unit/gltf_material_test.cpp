@@ -1,6 +1,8 @@
 // Materials, textures, samplers, images.
 #include <gtest/gtest.h>
 
+#include <chrono>
+
 #include "gltf_make.h"
 #include "image/encode.h"
 
@@ -176,6 +178,29 @@ TEST(GltfMaterials, images_that_cannot_be_decoded_are_errors_with_a_name) {
     EXPECT_EQ(maker.load().source().warnings.size(), 1u);
     maker.doc["textures"][0]["source"] = 5;
     EXPECT_CONTAINS(maker.error(), "textures[0].source: names images[5]");
+}
+
+// A file may name one broken image thousands of times: the first of them ends the reading.
+TEST(GltfMaterials, a_thousand_broken_images_are_refused_within_seconds) {
+    GltfMaker maker;
+    // 1500 x 1500 zeros and then no end.
+    std::vector<std::byte> cut = png(0, 1500);
+    cut.resize(cut.size() - 20);
+    const int view = maker.view_bytes(cut);
+    const json triangle = maker.add_triangle();
+    json primitives = json::array();
+    for (int i = 0; i < 1000; ++i) {
+        maker.push("images", {{"bufferView", view}});
+        maker.push("textures", {{"source", i}});
+        maker.push("materials", {{"emissiveTexture", {{"index", i}}}});
+        json primitive = triangle;
+        primitive["material"] = i;
+        primitives.push_back(std::move(primitive));
+    }
+    maker.doc["meshes"][0]["primitives"] = std::move(primitives);
+    const auto start = std::chrono::steady_clock::now();
+    EXPECT_CONTAINS(maker.error(), "images[0]");
+    EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 10.0);
 }
 
 TEST(GltfMaterials, only_what_the_scene_shows_is_decoded) {

@@ -56,6 +56,12 @@ TEST(GltfMesh, left_over_corners_points_and_missing_positions_are_warnings) {
     EXPECT_EQ(scene.source().warnings, expected);
 }
 
+TEST(GltfMesh, triangles_without_area_are_counted_in_a_warning) {
+    GltfMaker maker;
+    maker.add_primitive({{"attributes", {{"POSITION", maker.floats({0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1, 1, 2, 2, 2}, "VEC3")}}}});
+    EXPECT_EQ(maker.load().source().warnings, std::vector<std::string>{"triangles without area, which are never seen: 1"});
+}
+
 TEST(GltfMesh, indices_out_of_range_are_refused_by_name) {
     GltfMaker maker;
     maker.add_triangle()["indices"] = maker.accessor<uint16_t>({0, 1, 3}, GltfMaker::kUShort, "SCALAR");

@@ -138,6 +138,21 @@ TEST(GltfNodes, a_chain_of_twenty_thousand_nodes_is_no_problem) {
     EXPECT_FLOAT_EQ(camera.place.world_from_object[3].x, float(kDepth - 1));
 }
 
+// A camera or light comes once for each node that names it, and its name with it.
+TEST(GltfNodes, a_long_name_that_every_node_takes_is_counted) {
+    for (const bool light : {false, true}) {
+        GltfMaker maker;
+        const std::string name(100000, 'x');
+        maker.push("cameras", {{"name", name}, {"type", "perspective"}, {"perspective", {{"yfov", 1.0}, {"znear", 0.1}}}});
+        maker.doc["extensions"]["KHR_lights_punctual"]["lights"] = json::array({{{"name", name}, {"type", "point"}}});
+        for (int i = 0; i < 1000; ++i)
+            maker.add_node(light ? json{{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}} : json{{"camera", 0}});
+        const std::string error = error_of(to_bytes(maker.text()), {.budget_base_bytes = 8u << 20});
+        EXPECT_CONTAINS(error, "the budget for this scene");
+        EXPECT_CONTAINS(error, light ? "KHR_lights_punctual.light" : ".camera");
+    }
+}
+
 TEST(GltfNodes, cameras_of_both_kinds_are_read) {
     GltfMaker maker;
     maker.push("cameras", {{"name", "near"}, {"type", "perspective"}, {"perspective", {{"yfov", 0.5}, {"znear", 0.25}, {"zfar", 10}}}});

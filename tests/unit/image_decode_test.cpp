@@ -278,6 +278,9 @@ TEST(DecodeImage, limits_are_checked_before_decoding) {
     EXPECT_NO_THROW(decode_png(png(20, 8), tight));
     for (const auto& [width, height] : {std::pair{21u, 1u}, {1u, 21u}, {20u, 11u}, {16u, 11u}}) EXPECT_THROW(decode_png(png(width, height), tight), Error);
     EXPECT_THROW(decode_jpeg(make_jpeg(21, 4, 3, false, smooth), tight), Error);
+    EXPECT_NO_THROW(decode_jpeg(make_jpeg(21, 4, 3, false, smooth), {.max_bytes = 21 * 4 * 4}));
+    EXPECT_NO_THROW(decode_jpeg(make_jpeg(21, 4, 3, true, smooth), {.max_bytes = 21 * 4 * 10}));
+    EXPECT_THROW(decode_jpeg(make_jpeg(21, 4, 3, true, smooth), {.max_bytes = 21 * 4 * 10 - 1}), Error);
     EXPECT_THROW(decode_hdr(make_rle_hdr(), {.max_width = 15}), Error);
     EXPECT_THROW(decode_hdr(make_rle_hdr(), {.max_bytes = 16 * 3 * 12 - 1}), Error);
     EXPECT_THROW(decode_exr(sample_exr(), {.max_pixels = 23 * 19 - 1}), Error);
@@ -294,6 +297,18 @@ TEST(DecodeImage, a_header_that_claims_more_than_the_file_holds_is_refused_befor
     ASSERT_EQ(std::to_integer<int>(exr[size_at]), 5);
     exr[size_at + 3] = std::byte{0x7F};
     EXPECT_NE(error_of([&] { decode_exr(exr); }).find("larger than the file"), std::string::npos);
+}
+
+// OpenEXR reads a channel list to its end whatever its size says: with a wrong size it would see other attributes than the check did.
+TEST(DecodeImage, an_exr_attribute_with_another_size_than_its_type_has_is_refused) {
+    for (const std::string name : {"channels", "pixelAspectRatio", "dataWindow"}) {
+        Bytes exr = encode_exr(make_image(1, 1, {"R"}), ExrPrecision::Half).bytes;
+        const std::string_view text(reinterpret_cast<const char*>(exr.data()), exr.size());
+        const size_t name_at = text.find(name), size_at = text.find('\0', name_at + name.size() + 1) + 1;
+        ASSERT_NE(name_at, std::string_view::npos);
+        exr[size_at] = static_cast<std::byte>(std::to_integer<int>(exr[size_at]) - 1);
+        EXPECT_NE(error_of([&] { decode_exr(exr); }).find("an attribute in the header has a wrong size"), std::string::npos) << name;
+    }
 }
 
 namespace {

@@ -2,12 +2,17 @@
 #include "scene/scene_files.h"
 
 #include <gtest/gtest.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
 
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/platform.h"
 #include "gltf_make.h"
 #include "scene/load.h"
@@ -78,12 +83,22 @@ TEST_F(SceneFilesTest, nothing_outside_of_the_folder_is_read) {
         EXPECT_CONTAINS(read(uri), "leads out of the scene's folder (--allow-external permits it)");
 }
 
+// Behind a folder that does not exist, ".." would be taken by the text and a link not be seen.
+TEST_F(SceneFilesTest, a_folder_that_does_not_exist_hides_no_link) {
+    EXPECT_CONTAINS(read("nowhere/../link-out.bin"), "there is no such file");
+    EXPECT_CONTAINS(read("nowhere/../folder-out/secret.bin"), "there is no such file");
+    EXPECT_CONTAINS(read("data.bin/../link-out.bin"), "cannot be resolved");
+    EXPECT_CONTAINS(read("%252e%252e/outside/secret.bin"), "there is no such file");  // decoded once
+}
+
 TEST_F(SceneFilesTest, allow_external_lifts_the_folder_but_not_protocols) {
     const SceneFileLimits open{.allow_external = true};
     EXPECT_EQ(read("../outside/secret.bin", open), "secret");
     EXPECT_EQ(read((base_ / "outside" / "secret.bin").string(), open), "secret");
     EXPECT_EQ(read("link-out.bin", open), "secret");
     EXPECT_CONTAINS(read("file:///etc/passwd", open), "names a protocol");
+    for (const char* uri : {"//host/share/a.bin", "\\\\host\\share\\a.bin", "%2F%2Fhost/a.bin"})
+        EXPECT_CONTAINS(read(uri, open), "names another machine");
 }
 
 TEST_F(SceneFilesTest, protocols_are_refused) {
@@ -99,7 +114,64 @@ TEST_F(SceneFilesTest, only_regular_files_are_read) {
     EXPECT_CONTAINS(read("loop.bin"), "cannot be resolved");
     EXPECT_CONTAINS(read(""), "has an empty URI");
     EXPECT_CONTAINS(read("a%00b"), "holds a zero byte");
-    EXPECT_NE(read(std::string(100000, 'x')), "");
+    EXPECT_CONTAINS(read(std::string(5000, 'x')), "is 5000 bytes long; the limit is 4096");
+    EXPECT_CONTAINS(read(std::string(4000, 'x')), "cannot be resolved");
+    std::string deep;
+    for (int i = 0; i < 1000; ++i) deep += "./";
+    EXPECT_EQ(read(deep + "data.bin"), "inside");
+}
+
+// At once: a pipe has no writer, a terminal no end, a file of /proc no size.
+TEST_F(SceneFilesTest, pipes_sockets_devices_and_files_without_size_never_hang) {
+    const int listener = socket(AF_UNIX, SOCK_STREAM, 0);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    const std::string socket_path = (fs::temp_directory_path() / fmt::format("parhelion-{}.sock", platform::process_id())).string();
+    std::strncpy(address.sun_path, socket_path.c_str(), sizeof(address.sun_path) - 1);
+    ASSERT_EQ(bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
+    const auto error_of_file = [](const fs::path& path) -> std::string {
+        try {
+            read_file(path, 1 << 20);
+        } catch (const Error& error) {
+            return error.problem;
+        }
+        return "";
+    };
+    for (const fs::path& path : {root() / "pipe.bin", fs::path(socket_path), fs::path("/dev/zero"), fs::path("/dev/null"), fs::path("/dev/tty")})
+        if (fs::exists(path)) {
+            EXPECT_CONTAINS(error_of_file(path), "is a pipe or device");
+        }
+    EXPECT_TRUE(read_file("/proc/self/status", 1 << 20).empty());
+    for (const fs::path& path : {fs::path("/proc/self/status"), fs::path("/dev/zero"), fs::path(socket_path)}) {
+        EXPECT_THROW(load_scene(path.string()), Error) << path;
+        EXPECT_THROW(load_environment(path), Error) << path;
+        fs::create_symlink(path, root() / "odd.bin");
+        GltfMaker maker;
+        maker.add_triangle();
+        maker.doc["buffers"] = json::array({{{"byteLength", 100}, {"uri", "odd.bin"}}});
+        put(root() / "odd.gltf", maker.doc.dump());
+        EXPECT_THROW(load_scene((root() / "odd.gltf").string(), {.limits = {.allow_external = true}}), Error) << path;
+        fs::remove(root() / "odd.bin");
+    }
+    close(listener);
+    fs::remove(socket_path);
+}
+
+TEST_F(SceneFilesTest, what_was_opened_counts_and_not_what_its_name_stood_for) {
+    EXPECT_EQ(platform::open_for_reading(root() / "missing.bin").file, nullptr);
+    const std::pair<const char*, platform::FileKind> kinds[] = {
+        {"data.bin", platform::FileKind::Regular}, {"sub", platform::FileKind::Folder}, {"pipe.bin", platform::FileKind::Other}};
+    for (const auto& [name, kind] : kinds) {
+        const platform::OpenedFile opened = platform::open_for_reading(root() / name);
+        EXPECT_EQ(opened.kind, kind) << name;
+        if (opened.file != nullptr) std::fclose(opened.file);
+    }
+}
+
+// A file may have holes: it costs its maker nothing and would cost the reader its memory.
+TEST_F(SceneFilesTest, files_larger_than_the_machine_are_refused_before_memory_is_taken) {
+    fs::resize_file(root() / "data.bin", platform::physical_bytes() + 1);
+    EXPECT_CONTAINS(read("data.bin"), "bytes large; the limit here is");
 }
 
 TEST_F(SceneFilesTest, large_files_and_large_sums_are_refused_before_they_are_read) {

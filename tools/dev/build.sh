@@ -1,7 +1,7 @@
 # shellcheck shell=bash disable=SC1091,SC2016,SC2034,SC2154
-# ./dev build, render, run, view, bench.
+# ./dev build, render, run, view, bench, fuzz.
 
-presets=(release dev asan)
+presets=(release dev asan fuzz)
 
 check_preset() {
     local preset
@@ -20,7 +20,7 @@ configure_and_build_locked() {
     # CMake refuses a build folder that has moved with its tree.
     if [[ -f $cache ]] && ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$cache"; then rm -rf "$folder"; fi
     # Warnings are errors with the compiler that CI has, and in the developer builds; a newer compiler's new warnings stop nobody.
-    if [[ $preset != release || $(debian_release) == bookworm ]]; then warnings=ON; fi
+    if [[ $preset == dev || $preset == asan || $(debian_release) == bookworm ]]; then warnings=ON; fi
     local arguments=("-DPARHELION_DEPS_ROOT=$deps_root" "-DPARHELION_WARNINGS_AS_ERRORS=$warnings")
     if [[ ! -f $folder/build.ninja || "$(cat "$folder/arguments.stamp" 2>/dev/null)" != "${arguments[*]}" ]]; then
         step "Configuring build/$preset"

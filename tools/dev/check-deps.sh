@@ -106,7 +106,8 @@ cmd_check_deps() {
     used=$(cut -d' ' -f1 "$scratch/headers" | sort -u)
     for package in $(list_packages "$release" | grep -e '-dev$' | sort -u); do
         # A package without headers of its own (libjpeg-dev) stands for those that it depends on.
-        if grep -qxF "$package" <<<"$used"; then continue; fi
+        # clang itself links libFuzzer and the sanitizers.
+        if [[ $package == libclang-rt-* ]] || grep -qxF "$package" <<<"$used"; then continue; fi
         if dpkg-query -W -f '${Depends}\n' "$package" | sed 's/[,|] */\n/g' | awk '{ print $1 }' | grep -e '-dev$' | grep -qxFf - <(printf '%s\n' "$used"); then
             [[ $(dpkg-query -L "$package" | grep -c '/include/') -gt 0 ]] || continue
         fi

@@ -1,5 +1,5 @@
 # shellcheck shell=bash disable=SC1091,SC2016,SC2034,SC2154
-# ./dev test, truth, soak: CTest runs the GoogleTest programs, two at a time; every test case is counted from their output.
+# ./dev test, truth, soak, fuzz: CTest runs the GoogleTest programs, two at a time; every test case is counted from their output.
 
 # list_results JUNIT LOG: reads what CTest writes (only the JUnit file knows which programs were skipped as a whole).
 # Prints "pass|fail|skip SECONDS NAME" for each test case, and for each program that is no GoogleTest.
@@ -43,7 +43,7 @@ run_tests() { # run_tests PRESET FILTER CTEST-ARGUMENTS...: prints the summary; 
         [[ $filter == *[*?:]* ]] || filter="*$filter*"
         export GTEST_FILTER=$filter
         # Tests that are no GoogleTest programs have no cases to choose from.
-        set -- "$@" -LE '^(truth|soak|script|embed)$'
+        set -- "$@" -LE '^(truth|soak|script|embed|fuzz)$'
     fi
     if [[ $preset == asan ]]; then
         export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_stack_use_after_return=1} UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
@@ -76,11 +76,11 @@ run_tests() { # run_tests PRESET FILTER CTEST-ARGUMENTS...: prints the summary; 
 }
 
 cmd_test() {
-    local preset=release filter='' build=true selection=(-LE '^(truth|soak)$')
+    local preset=release filter='' build=true label='' selection=(-LE '^(truth|soak)$')
     require_all=$in_ci
     while [[ $# -gt 0 ]]; do
         case $1 in
-            -L) [[ $# -ge 2 ]] || usage_error "-L needs a label"; selection=(-L "^$2\$"); shift ;;
+            -L) [[ $# -ge 2 ]] || usage_error "-L needs a label"; label=$2 selection=(-L "^$2\$"); shift ;;
             --require) require_all=true ;;
             --preset) [[ $# -ge 2 ]] || usage_error "--preset needs a name"; preset=$2; shift ;;
             --no-build) build=false ;;
@@ -90,15 +90,16 @@ cmd_test() {
         shift
     done
     check_preset "$preset"
-    prepare_tests "$preset" "$build"
+    prepare_tests "$preset" "$build" "$([[ -z $filter && (-z $label || $label == fuzz) ]] && echo fuzz)"
     run_tests "$preset" "$filter" "${selection[@]}"
 }
 
-prepare_tests() { # prepare_tests PRESET BUILD: packages and build, with the time that each took
+prepare_tests() { # prepare_tests PRESET BUILD [MORE-PRESETS]: packages and build, with the time that each took
+    local more
     SECONDS=0
     ensure_deps
     packages_seconds=$SECONDS
-    if $2; then configure_and_build "$1"; fi
+    if $2; then for more in "$1" ${3:-}; do configure_and_build "$more"; done; fi
     build_seconds=$((SECONDS - packages_seconds))
     if $require_all; then export PARHELION_REQUIRE=${PARHELION_REQUIRE:-device,query,pipeline,compute,validation}; fi
 }
@@ -115,3 +116,18 @@ long_tests() { # long_tests LABEL [FILTER]
 
 cmd_truth() { long_tests truth "$@"; }
 cmd_soak() { long_tests soak "$@"; }
+
+# For SECONDS, a share of the targets on each core; what they find stays in build/fuzz/corpus and is where the next run begins.
+cmd_fuzz() { # cmd_fuzz [SECONDS] [TARGET...]
+    local seconds=600 shares share status=0 jobs=()
+    if [[ ${1:-} =~ ^[0-9]+$ ]]; then seconds=$1; shift; fi
+    ensure_deps
+    configure_and_build fuzz
+    shares=$(nproc)
+    for ((share = 0; share < shares; ++share)); do
+        "$root/tests/fuzz/run.sh" "$build_dir/fuzz" "$seconds" --grow --share "$share/$shares" "$@" &
+        jobs+=($!)
+    done
+    for share in "${jobs[@]}"; do wait "$share" || status=1; done
+    return $status
+}
