@@ -11,6 +11,7 @@ layout(set = 0, binding = 3) uniform sampler2D textures[];
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer InstanceArray { Instance v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer GeometryArray { Geometry v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer MaterialArray { Material v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TextureArray { TextureEntry v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer EmitterArray { Emitter v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer AliasArray { AliasEntry v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer UintArray { uint v[]; };
@@ -21,6 +22,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Att
 #define scene_instance(i) (InstanceArray(scene.header.instances).v[i])
 #define scene_geometry(i) (GeometryArray(scene.header.geometries).v[i])
 #define scene_material(i) (MaterialArray(scene.header.materials).v[i])
+#define scene_texture(i) (TextureArray(scene.header.textures).v[i])
 #define scene_emitter(i) (EmitterArray(scene.header.emitters).v[i])
 
 vec2 transform_uv(TextureRef ref, vec2 uv) {
@@ -31,6 +33,6 @@ vec2 transform_uv(TextureRef ref, vec2 uv) {
 // A texel of a material's texture at full resolution; `fallback` where the material has none.
 vec4 fetch_texture(TextureRef ref, vec2 uv0, vec2 uv1, vec4 fallback) {
     if (ref.texture == kNone) return fallback;
-    return textureLod(textures[nonuniformEXT(ref.texture)], transform_uv(ref, ref.uv_set == 0u ? uv0 : uv1), 0.0);
+    return textureLod(textures[nonuniformEXT(scene_texture(ref.texture).slot)], transform_uv(ref, ref.uv_set == 0u ? uv0 : uv1), 0.0);
 }
 #endif

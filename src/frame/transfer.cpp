@@ -9,11 +9,24 @@ namespace parhelion {
 
 using gpu::Use;
 
+// Small uploads share a buffer.
+Frame::Staging Frame::stage(uint64_t bytes) {
+    constexpr uint64_t kBlock = 1 << 18, kAlignment = 16;  // texels are up to 16 bytes
+    if (!staging_.buffer || bytes > staging_.buffer.bytes() - std::min(staging_.offset, staging_.buffer.bytes()))
+        staging_ = {gpu::Buffer(device_, "frame/upload", std::max(bytes, kBlock), gpu::MemoryKind::Upload), 0};
+    const Staging out = staging_;
+    staging_.offset += (bytes + kAlignment - 1) / kAlignment * kAlignment;
+    return out;
+}
+
+std::span<std::byte> Frame::upload_in_place(const gpu::Buffer& to, uint64_t offset, uint64_t bytes) {
+    const Staging staging = stage(bytes);
+    copy(staging.buffer, staging.offset, to, offset, bytes);
+    return {staging.buffer.mapped() + staging.offset, bytes};
+}
+
 void Frame::upload(const gpu::Buffer& to, uint64_t offset, std::span<const std::byte> bytes) {
-    if (bytes.empty()) return;
-    const gpu::Buffer staging(device_, "frame/upload", bytes.size(), gpu::MemoryKind::Upload);
-    std::memcpy(staging.mapped(), bytes.data(), bytes.size());
-    copy(staging, 0, to, offset, bytes.size());
+    if (!bytes.empty()) std::memcpy(upload_in_place(to, offset, bytes.size()).data(), bytes.data(), bytes.size());
 }
 
 void Frame::copy(const gpu::Buffer& from, uint64_t from_offset, const gpu::Buffer& to, uint64_t to_offset, uint64_t bytes) {
@@ -32,18 +45,23 @@ void Frame::fill(const gpu::Buffer& buffer, uint32_t value) {
          .launch = [=](gpu::CommandList& commands) { commands.fill(buffer, 0, buffer.bytes(), value); }});
 }
 
+std::span<std::byte> Frame::upload_rows_in_place(const gpu::Image& to, uint32_t mip, uint32_t first_row, uint32_t rows) {
+    const uint64_t bytes = uint64_t(std::max(to.extent().width >> mip, 1u)) * rows * gpu::format_bytes(to.desc().format);
+    const Staging staging = stage(bytes);
+    keep(staging.buffer.data());
+    keep(to.data());
+    add({.info = {.name = "transfer/upload_image", .reads = {staging.buffer.name()}, .writes = {to.name()}},
+         .accesses = {{staging.buffer.id(), Use::TransferRead, &staging.buffer.name()}, {to.id(), Use::TransferWrite, &to.name()}},
+         .images = {to},
+         .launch = [=](gpu::CommandList& commands) { commands.copy_to_image(staging.buffer, staging.offset, to, mip, first_row, rows); }});
+    return {staging.buffer.mapped() + staging.offset, bytes};
+}
+
 void Frame::upload_image(const gpu::Image& to, std::span<const std::byte> texels) {
     const gpu::Extent extent = to.extent();
     PARHELION_CHECK(texels.size() == uint64_t(extent.width) * extent.height * gpu::format_bytes(to.desc().format), "{}: {} bytes of texels do not fill it",
                     to.name(), texels.size());
-    const gpu::Buffer staging(device_, "frame/upload", texels.size(), gpu::MemoryKind::Upload);
-    std::memcpy(staging.mapped(), texels.data(), texels.size());
-    keep(staging.data());
-    keep(to.data());
-    add({.info = {.name = "transfer/upload_image", .reads = {staging.name()}, .writes = {to.name()}},
-         .accesses = {{staging.id(), Use::TransferRead, &staging.name()}, {to.id(), Use::TransferWrite, &to.name()}},
-         .images = {to},
-         .launch = [=](gpu::CommandList& commands) { commands.copy_to_image(staging, 0, to, 0, 0, extent.height); }});
+    std::memcpy(upload_rows_in_place(to, 0, 0, extent.height).data(), texels.data(), texels.size());
 }
 
 void Frame::make_mips(const gpu::Image& image) {
@@ -74,23 +92,47 @@ gpu::Buffer Frame::read_back(const gpu::Image& from) {
     return to;
 }
 
-void Frame::build_blas(const gpu::AccelStruct& blas, std::vector<gpu::BlasGeometry> geometries, std::vector<gpu::Buffer> inputs) {
-    const gpu::Buffer scratch = buffer("frame/build_scratch", std::max(blas.scratch_bytes(), buffers_["frame/build_scratch"] ? buffers_["frame/build_scratch"].bytes() : 0));
-    Record record{.info = {.name = "build/bottom", .writes = {blas.name()}},
-                  .accesses = {{blas.id(), Use::BuildWrite, &blas.name()}, {scratch.id(), Use::BuildScratch, &scratch.name()}}};
+void Frame::build_blas(std::vector<gpu::BlasBuild> builds, const std::vector<gpu::Buffer>& inputs) {
+    uint64_t scratch_bytes = 0;
+    for (const gpu::BlasBuild& build : builds) scratch_bytes += build.blas.scratch_bytes();
+    const gpu::Buffer scratch(device_, "frame/build_scratch", scratch_bytes);
+    Record record{.info = {.name = "build/bottom", .writes = {builds.front().blas.name()}, .extent = fmt::format("{}", builds.size())},
+                  .accesses = {{scratch.id(), Use::BuildScratch, &scratch.name()}}};
+    for (const gpu::BlasBuild& build : builds) {
+        record.accesses.push_back({build.blas.id(), Use::BuildWrite, &build.blas.name()});
+        keep(build.blas.data());
+    }
     for (const gpu::Buffer& input : inputs) {
         record.info.reads.push_back(input.name());
         record.accesses.push_back({input.id(), Use::BuildInput, &input.name()});
         keep(input.data());
     }
-    keep(blas.data());
     keep(scratch.data());
-    record.launch = [=, geometries = std::move(geometries)](gpu::CommandList& commands) { commands.build_blas(blas, geometries, scratch, 0); };
+    record.launch = [scratch, builds = std::move(builds)](gpu::CommandList& commands) { commands.build_blas(builds, scratch); };
     add(std::move(record));
 }
 
+void Frame::measure_blas(std::vector<gpu::AccelStruct> blases, const gpu::AccelSizes& sizes) {
+    Record record{.info = {.name = "build/measure", .reads = {blases.front().name()}, .extent = fmt::format("{}", blases.size())}};
+    for (const gpu::AccelStruct& blas : blases) {
+        record.accesses.push_back({blas.id(), Use::BuildRead, &blas.name()});
+        keep(blas.data());
+    }
+    keep(sizes.data());
+    record.launch = [sizes, blases = std::move(blases)](gpu::CommandList& commands) { commands.measure_blas(blases, sizes); };
+    add(std::move(record));
+}
+
+void Frame::compact_blas(const gpu::AccelStruct& from, const gpu::AccelStruct& to) {
+    keep(from.data());
+    keep(to.data());
+    add({.info = {.name = "build/compact", .reads = {from.name()}, .writes = {to.name()}},
+         .accesses = {{from.id(), Use::BuildRead, &from.name()}, {to.id(), Use::BuildWrite, &to.name()}},
+         .launch = [=](gpu::CommandList& commands) { commands.compact_blas(from, to); }});
+}
+
 void Frame::build_tlas(const gpu::AccelStruct& tlas, const gpu::Buffer& instances, uint32_t count, std::span<const gpu::AccelStruct> bottoms) {
-    const gpu::Buffer scratch = buffer("frame/build_scratch", std::max(tlas.scratch_bytes(), buffers_["frame/build_scratch"] ? buffers_["frame/build_scratch"].bytes() : 0));
+    const gpu::Buffer scratch(device_, "frame/build_scratch", tlas.scratch_bytes());
     Record record{.info = {.name = "build/top", .reads = {instances.name()}, .writes = {tlas.name()}},
                   .accesses = {{tlas.id(), Use::BuildWrite, &tlas.name()},
                                {scratch.id(), Use::BuildScratch, &scratch.name()},

@@ -59,9 +59,9 @@ public:
     // Uploads what changed and clears the film where that was asked for; the first passes of a frame.
     void prepare(Frame& frame);
     void clear_film() { clear_ = true, accumulation_.samples = 0; }
-    // What a Renderer has drawn into the film: so many samples, of the scene after so many of its edits.
+    // What a Renderer has drawn into the film: so many samples of one version of the scene (SceneGpu::version).
     struct Accumulation {
-        uint64_t samples = 0, scene_edits = 0;
+        uint64_t samples = 0, scene_version = 0;
     };
     Accumulation& accumulation() { return accumulation_; }
     // Continues from sums of an earlier run (--resume).
