@@ -91,8 +91,7 @@ public:
     void fill(const Buffer& buffer, uint64_t offset, uint64_t bytes, uint32_t value);
     void blit_mip(const Image& image, uint32_t from_mip);  // linear filter into from_mip + 1
 
-    void build_blas(const AccelStruct& blas, std::span<const BlasGeometry> geometries, const Buffer& scratch, uint64_t scratch_offset);
-    // Several at once: they may run side by side, each in its own part of `scratch`, one after the other from offset 0.
+    // They may run side by side, each in its own part of `scratch`, which follow one another from offset 0.
     void build_blas(std::span<const BlasBuild> builds, const Buffer& scratch);
     void measure_blas(std::span<const AccelStruct> blases, const AccelSizes& sizes);  // built; as many as sizes.count()
     void compact_blas(const AccelStruct& from, const AccelStruct& to);                // `to` as AccelStruct::compacted made it

@@ -115,13 +115,6 @@ void CommandList::build_blas(std::span<const BlasBuild> builds, const Buffer& sc
     impl_->vk().vkCmdBuildAccelerationStructuresKHR(impl_->buffer, static_cast<uint32_t>(headers.size()), headers.data(), ranges.data());
 }
 
-void CommandList::build_blas(const AccelStruct& blas, std::span<const BlasGeometry> geometries, const Buffer& scratch, uint64_t scratch_offset) {
-    BlasInfo info;
-    info.fill(blas, geometries, scratch_address(blas, scratch, scratch_offset, impl_->device->caps().scratch_alignment));
-    const VkAccelerationStructureBuildRangeInfoKHR* first = info.ranges.data();
-    impl_->vk().vkCmdBuildAccelerationStructuresKHR(impl_->buffer, 1, &info.header, &first);
-}
-
 void CommandList::measure_blas(std::span<const AccelStruct> blases, const AccelSizes& sizes) {
     PARHELION_CHECK(blases.size() == sizes.count(), "{} bottom levels are measured into room for {}", blases.size(), sizes.count());
     std::vector<VkAccelerationStructureKHR> handles;

@@ -154,6 +154,7 @@ ViewDesc Job::describe_view(const CameraView& camera) const {
             .filter = options_.point_filter ? PixelFilter::Point : PixelFilter::Box,
             .roulette_start = settings_.roulette_start,
             .light_sampling = static_cast<uint32_t>(settings_.light_sampling),
+            .texture_lod = settings_.texture_lod,
             .aovs = options_.aovs};
 }
 

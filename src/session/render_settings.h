@@ -14,6 +14,7 @@ struct RenderSettings {
     LightSampling light_sampling = LightSampling::Mis;
     Culling culling = Culling::Gltf;
     float infinite_share = 0.5f;
+    TextureLod texture_lod = TextureLod::Full;
 };
 
 template <class V>
@@ -26,6 +27,8 @@ void visit(V&& v, RenderSettings& s) {
     v.field("scene.culling", s.culling, choices({"none", "gltf"}), "gltf: single-sided surfaces are invisible from behind");
     v.field("light.infinite_share", s.infinite_share, range(0, 1),
             "share of light samples for sky and directional lights where other lights exist too");
+    v.field("texture.lod", s.texture_lod, choices({"full", "cone"}),
+            "how finely textures are read: full resolution, or as finely as a pixel sees them (ray cones)");
 }
 
 }  // namespace parhelion
