@@ -40,15 +40,14 @@ gpu::Image create_image(const gpu::DevicePtr& device, const Image& source, bool 
 }
 
 // Rows of texels as far as the slice goes, then the levels below. True: all is there.
-bool upload_image(Frame& frame, Slice& slice, ImageOnDevice& on_device, uint64_t row_bytes, const std::function<void(std::byte*, uint64_t first, uint64_t rows)>& write) {
+bool upload_image(Frame& frame, Slice& slice, ImageOnDevice& on_device, const std::function<void(std::byte*, uint64_t first, uint64_t rows)>& write) {
     constexpr uint64_t kFixedCost = 1 << 16;  // bytes: the passes that make its levels
-    const uint64_t height = on_device.image.extent().height;
     if (!slice.has_bytes()) return false;
-    const uint64_t rows = std::clamp<uint64_t>(slice.bytes() / row_bytes, 1, height - on_device.done_rows);
+    const uint64_t rows = std::clamp<uint64_t>(slice.bytes() / on_device.row_bytes, 1, on_device.rows - on_device.done_rows);
     write(frame.upload_rows_in_place(on_device.image, 0, static_cast<uint32_t>(on_device.done_rows), static_cast<uint32_t>(rows)).data(), on_device.done_rows, rows);
-    slice.take_bytes(rows * row_bytes);
+    slice.take_bytes(rows * on_device.row_bytes);
     on_device.done_rows += rows;
-    if (on_device.done_rows < height) return false;
+    if (on_device.done_rows < on_device.rows) return false;
     frame.make_mips(on_device.image);
     slice.take_bytes(kFixedCost);
     return true;
@@ -62,7 +61,13 @@ void SceneGpu::State::plan_images() {
     environment_stale = false;
     if (!textures_stale) return;
     for (auto& [key, image] : images) image.wanted = false;
-    for (const auto& [handle, texture] : scene->textures()) images[image_key(texture)].wanted = true;
+    for (const auto& [handle, texture] : scene->textures()) {
+        const Image& source = scene->get(texture.image);
+        ImageOnDevice& image = images[image_key(texture)];
+        image.wanted = true;
+        image.rows = source.height;
+        image.row_bytes = uint64_t(source.width) * 4;
+    }
     // Said before anything is uploaded: the environment takes one slot more.
     const uint64_t needed = scene->textures().size() + 1, limit = device->caps().max_bindless_textures;
     if (needed > limit)
@@ -75,16 +80,18 @@ void SceneGpu::State::upload_images(Frame& frame, Slice& slice) {
         if (image.ready) continue;
         const Image& source = scene->get(texture.image);
         if (!image.image) image.image = create_image(device, source, texture.color_space == ColorSpace::Srgb);
-        const uint64_t row_bytes = uint64_t(source.width) * 4;
-        image.ready = upload_image(frame, slice, image, row_bytes,
-                                   [&](std::byte* to, uint64_t first, uint64_t rows) { std::memcpy(to, source.texels.data() + first * row_bytes, rows * row_bytes); });
+        const uint64_t row_bytes = image.row_bytes;
+        image.ready = upload_image(frame, slice, image, [&](std::byte* to, uint64_t first, uint64_t rows) { std::memcpy(to, source.texels.data() + first * row_bytes, rows * row_bytes); });
         if (!image.ready) return;
     }
     const Environment& e = scene->environment();
     if (e.radiance.empty() || environment_image.ready) return;
-    if (!environment_image.image)
+    if (!environment_image.image) {
         environment_image.image = gpu::Image(device, "textures/environment", {.format = gpu::Format::Rgba32Float, .extent = {e.width, e.height}});
-    environment_image.ready = upload_image(frame, slice, environment_image, uint64_t(e.width) * sizeof(glm::vec4), [&](std::byte* to, uint64_t first, uint64_t rows) {
+        environment_image.rows = e.height;
+        environment_image.row_bytes = uint64_t(e.width) * sizeof(glm::vec4);
+    }
+    environment_image.ready = upload_image(frame, slice, environment_image, [&](std::byte* to, uint64_t first, uint64_t rows) {
         for (uint64_t i = 0; i < rows * e.width; ++i) {
             const glm::vec4 texel(e.radiance[first * e.width + i], 1.0f);
             std::memcpy(to + i * sizeof(texel), &texel, sizeof(texel));

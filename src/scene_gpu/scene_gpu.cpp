@@ -90,7 +90,7 @@ void SceneGpu::State::measure_progress() {
     double done = 0, total = 1;
     const auto add = [&](double amount, double share) { total += amount, done += amount * share; };
     for (const auto& [key, image] : images)
-        if (image.wanted) add(double(image.image.extent().width) * image.image.extent().height * 4, image.ready ? 1.0 : double(image.done_rows) / image.image.extent().height);
+        if (image.wanted) add(double(image.rows) * double(image.row_bytes), double(image.done_rows) / double(image.rows));
     for (const Handle<Mesh> handle : wanted_meshes) {
         const MeshOnDevice& mesh = meshes.at(handle);
         uint64_t rows = 0;

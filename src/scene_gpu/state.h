@@ -20,7 +20,7 @@ namespace parhelion {
 // An image in one of the ways to read it.
 struct ImageOnDevice {
     gpu::Image image;
-    uint64_t done_rows = 0;  // of all its stored levels
+    uint64_t rows = 0, row_bytes = 0, done_rows = 0;  // of its finest level
     bool ready = false, wanted = false;
 };
 

@@ -67,8 +67,8 @@ TEST_F(SceneSlices, crumbs_make_the_same_scene_as_one_piece) {
             EXPECT_LE(progress.done, progress.total);
             before = progress.done;
             crumbs.frame.run();
-            // A row of the textures' images is the largest indivisible piece.
-            EXPECT_LE(count(crumbs.frame, "transfer/copy") + count(crumbs.frame, "transfer/upload_image"), 12u);
+            // Whole small tables share a slice.
+            EXPECT_LE(count(crumbs.frame, "transfer/copy") + count(crumbs.frame, "transfer/upload_image"), 20u);
         }
         EXPECT_GT(slices, 100u);
         EXPECT_EQ(crumbs.render(shot(way)).limbs, builtin_film("builtin:textured", shot(way)).limbs) << gpu::trace_way_name(way);
