@@ -123,6 +123,7 @@ uint64_t Frame::record(gpu::CommandList& commands) {
     frame.kept = std::move(kept_);
     kept_.clear();
     staging_ = {};
+    upload_ = {};
     records_.clear();
     in_flight_.push_back(std::move(frame));
     recorded_serial_ = serial_;

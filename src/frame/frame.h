@@ -6,6 +6,7 @@
 //     frame.compute("post/tonemap").read("hdr", hdr).write("ldr", ldr).push(TonemapPush{scale}).over(ldr.extent());
 //
 // Passes run in call order. Nothing reaches the GPU before record() or submit().
+#include <array>
 #include <functional>
 #include <map>
 #include <memory>
@@ -171,6 +172,11 @@ private:
         uint64_t offset = 0;
     };
     Staging stage(uint64_t bytes);
+    // Uploads that follow one another into rising places of one buffer are one pass.
+    struct Upload {
+        gpu::Buffer from, to;
+        std::vector<std::array<uint64_t, 3>> regions;  // from, to, bytes
+    };
     void add(Record record);
     void keep(std::shared_ptr<void> object) { kept_.push_back(std::move(object)); }
     void order(const Record& record, gpu::CommandList& commands);
@@ -184,6 +190,8 @@ private:
     std::vector<Record> records_;
     std::vector<std::shared_ptr<void>> kept_;
     Staging staging_;  // what is left of it: from the offset on
+    std::shared_ptr<Upload> upload_;  // of the last record, if that is one
+    size_t upload_end_ = 0;           // records until then
     std::vector<InFlight> in_flight_;
     std::map<std::string, gpu::Image> images_;
     std::map<std::string, gpu::Buffer> buffers_;

@@ -20,8 +20,22 @@ Frame::Staging Frame::stage(uint64_t bytes) {
 }
 
 std::span<std::byte> Frame::upload_in_place(const gpu::Buffer& to, uint64_t offset, uint64_t bytes) {
+    PARHELION_CHECK(offset <= to.bytes() && bytes <= to.bytes() - offset, "an upload to {} is out of range", to.name());
     const Staging staging = stage(bytes);
-    copy(staging.buffer, staging.offset, to, offset, bytes);
+    const bool joins = upload_ && upload_end_ == records_.size() && upload_->from.id() == staging.buffer.id() && upload_->to.id() == to.id() &&
+                       offset >= upload_->regions.back()[1] + upload_->regions.back()[2];
+    if (!joins) {
+        keep(staging.buffer.data());
+        keep(to.data());
+        upload_ = std::make_shared<Upload>(Upload{staging.buffer, to, {}});
+        add({.info = {.name = "transfer/upload", .reads = {staging.buffer.name()}, .writes = {to.name()}},
+             .accesses = {{staging.buffer.id(), Use::TransferRead, &staging.buffer.name()}, {to.id(), Use::TransferWrite, &to.name()}},
+             .launch = [upload = upload_](gpu::CommandList& commands) {
+                 for (const auto& [from, into, count] : upload->regions) commands.copy(upload->from, from, upload->to, into, count);
+             }});
+        upload_end_ = records_.size();
+    }
+    upload_->regions.push_back({staging.offset, offset, bytes});
     return {staging.buffer.mapped() + staging.offset, bytes};
 }
 

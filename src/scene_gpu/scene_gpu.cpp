@@ -23,14 +23,13 @@ const SceneBinding& SceneGpu::binding() const {
 }
 
 void SceneGpu::sync(const Scene& scene) {
-    State& s = *state_;
-    s.scene = &scene;
-    s.anything_stale = s.materials_stale = s.textures_stale = s.environment_stale = s.edited = true;
+    state_->begin_anew();
+    state_->scene = &scene;
 }
 
 void SceneGpu::sync(const Scene& scene, const ChangeSet& changes) {
     State& s = *state_;
-    s.scene = &scene;
+    if (s.scene != &scene) return sync(scene);
     s.materials_stale |= !changes.materials.empty();
     s.textures_stale |= !changes.images.empty() || !changes.textures.empty();
     s.environment_stale |= changes.environment;
@@ -63,6 +62,29 @@ SceneProgress SceneGpu::update(Frame& frame) {
 
 void SceneGpu::finish(Frame& frame) {
     while (!update(frame).complete) frame.run();
+}
+
+// Another scene has handles of its own: nothing that is here may be found by them. What is drawn now stays until the new is there.
+void SceneGpu::State::begin_anew() {
+    geometry_pool = BufferPool(device, "scene/geometry", options.geometry_buffer_bytes);
+    bottom_nodes = RowArray(device, "scene/bottom_nodes", sizeof(shared::BvhNode));
+    bottom_triangles = RowArray(device, "scene/bottom_triangles", sizeof(shared::BvhTriangle));
+    geometry_rows = FreeRanges(1ull << 32);
+    meshes.clear();
+    measurements.clear();
+    images.clear();
+    environment_image = {};
+    geometries.clear();
+    geometry_table = triangle_alias = {};
+    instances.clear();
+    instance_rows.clear();
+    free_rows.clear();
+    left_rows.clear();
+    tables.clear();
+    next = {};
+    tables_running = moved_by_compaction = unsettled = false;
+    anything_stale = materials_stale = textures_stale = environment_stale = environment_table_stale = edited = has_no_past = true;
+    stats.own_build_seconds = 0;
 }
 
 // Nothing is lost by planning again: what has come in is found by its handle.

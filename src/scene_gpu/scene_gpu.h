@@ -48,7 +48,7 @@ public:
     // says. `scene` must outlive the next update(). An interactive program calls this every frame, also when nothing changed: that
     // is how the previous frame's scene becomes the present one.
     void sync(const Scene& scene, const ChangeSet& changes);
-    void sync(const Scene& scene);  // everything changed
+    void sync(const Scene& scene);  // another scene, or one whose changes nobody knows: everything is brought in anew
 
     // Records the next slice of the uploads and builds that sync() made necessary: the first passes of a frame. Nothing to do:
     // records nothing. The pictures do not depend on how the work is cut. Throws Error, naming the limit, for what the device

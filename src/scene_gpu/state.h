@@ -77,6 +77,7 @@ struct SceneGpu::State {
     bool unsettled = false;  // the last publish followed an edit: the previous top level is another than the present one
     bool moved_by_compaction = false;  // bottom levels that are drawn have gone elsewhere
     bool environment_table_stale = true;  // its image is taken care of, its row and its light table are not
+    bool has_no_past = true;  // the scene has never been published: its previous frame is the present one
     bool tables_running = false;       // step 2 has begun and waits for slices
     uint64_t published = 0, version = 0;
     SceneProgress progress;
@@ -122,6 +123,8 @@ struct SceneGpu::State {
     SceneGpuStats stats;
 
     bool uses_hardware() const { return options.hardware && (device->caps().ray_pipeline || device->caps().ray_query); }
+
+    void begin_anew();
 
     // Step 1. plan() says what the scene needs; the others bring in what is missing, as far as the slice goes.
     void plan();

@@ -38,7 +38,8 @@ void SceneGpu::State::publish(Frame& frame) {
         next.tlas = gpu::AccelStruct::top(device, "accel/top", std::max(1u, tlas_count));
         frame.build_tlas(next.tlas, tlas_instances, tlas_count, next.kept);
     }
-    if (tables_advance) before = std::move(now);
+    if (tables_advance) before = has_no_past ? TopLevel{} : std::move(now);
+    has_no_past = false;
     now = std::move(next);
     next = {};
     published += tables_advance ? 1 : 0;
@@ -53,7 +54,7 @@ void SceneGpu::State::publish(Frame& frame) {
 // The header and set 0 are made anew: the previous frame's may still be in use.
 void SceneGpu::State::write_header(Frame& frame) {
     const auto address = [](const gpu::Buffer& buffer) { return buffer ? buffer.address() : 0; };
-    const TopLevel& past = published > 1 ? before : now;
+    const TopLevel& past = before.tlas || before.nodes ? before : now;
     shared::SceneHeader header{};
     header.instances = address(instance_table);
     header.geometries = address(geometry_table);

@@ -68,7 +68,7 @@ TEST_F(SceneSlices, crumbs_make_the_same_scene_as_one_piece) {
             before = progress.done;
             crumbs.frame.run();
             // Whole small tables share a slice.
-            EXPECT_LE(count(crumbs.frame, "transfer/copy") + count(crumbs.frame, "transfer/upload_image"), 20u);
+            EXPECT_LE(count(crumbs.frame, "transfer/upload") + count(crumbs.frame, "transfer/upload_image"), 20u);
         }
         EXPECT_GT(slices, 100u);
         EXPECT_EQ(crumbs.render(shot(way)).limbs, builtin_film("builtin:textured", shot(way)).limbs) << gpu::trace_way_name(way);
@@ -144,19 +144,29 @@ TEST_F(SceneSlices, an_edit_of_a_material_leaves_the_geometry_alone) {
         return stage.frame;
     };
     const Frame& colour = edited(builtin::lambert("ball", {0.1f, 0.1f, 0.9f}));
-    EXPECT_EQ(count(colour, "transfer/copy", "scene/materials"), 1u);
+    EXPECT_EQ(count(colour, "transfer/upload", "scene/materials"), 1u);
     for (const char* table : {"scene/geometry", "scene/geometries", "scene/bottom_nodes", "scene/bottom_triangles", "scene/textures", "scene/triangle_alias"})
-        EXPECT_EQ(count(colour, "transfer/copy", table), 0u) << table;
+        EXPECT_EQ(count(colour, "transfer/upload", table), 0u) << table;
     EXPECT_EQ(count(colour, "build/bottom"), 0u);
     Material see_through = builtin::lambert("ball", {0.1f, 0.1f, 0.9f});
     see_through.alpha_mode = AlphaMode::Blend;
     see_through.base_color.a = 0.5f;
     const Frame& blend = edited(see_through);
-    EXPECT_EQ(count(blend, "transfer/copy", "scene/geometry"), 0u);
-    EXPECT_EQ(count(blend, "transfer/copy", "scene/geometries"), 1u);
+    EXPECT_EQ(count(blend, "transfer/upload", "scene/geometry"), 0u);
+    EXPECT_EQ(count(blend, "transfer/upload", "scene/geometries"), 1u);
     if (device()->caps().ray_query || device()->caps().ray_pipeline) {
         EXPECT_EQ(count(blend, "build/bottom"), 1u);
     }
+}
+
+TEST_F(SceneSlices, another_scene_takes_the_place_of_the_first) {
+    Stage stage(make_balls({-1.0f, 0.5f}).scene), other(make_balls({0.2f, 1.0f}, {0.1f, 0.2f, 0.9f}).scene);
+    const std::vector<uint32_t> first = stage.render(shot()).limbs;
+    stage.scene = make_balls({0.2f, 1.0f}, {0.1f, 0.2f, 0.9f}).scene;
+    stage.scene_gpu.sync(stage.scene);
+    const std::vector<uint32_t> second = stage.render(shot()).limbs;
+    EXPECT_NE(second, first);
+    EXPECT_EQ(second, other.render(shot()).limbs);
 }
 
 TEST_F(SceneSlices, what_no_instance_draws_is_not_on_the_device) {
