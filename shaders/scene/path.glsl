@@ -37,6 +37,7 @@ struct PathState {
     float pdf;          // of the last BSDF sample per solid angle; < 0: the light could not have been sampled (camera ray)
     uint bounce;        // scatterings so far
     uint first_lobe;    // lobe of the first scattering
+    RayCone cone;       // how finely textures are read; of the ray
     PathRadiance radiance;
 };
 
@@ -135,6 +136,7 @@ bool scatter(inout PathState path, Surface s, Bsdf bsdf, mat3 frame, vec3 wo, fl
     path.pdf = next.pdf;
     path.bounce += 1u;
     path.ray = spawn_ray(s, normalize(wi_ws), kInfinity, alpha_key);
+    path.cone = scatter_cone(path.cone, s.t, next.lobe == kLobeDiffuse ? kWidestSpread : lobe_spread(bsdf.alpha));
     return max_component(path.throughput) > 0.0;
 }
 
@@ -159,6 +161,7 @@ PathRadiance trace_path(ViewData view, uvec2 pixel, uint sample_index, inout Fir
     path.pdf = -1.0;
     path.bounce = 0u;
     path.first_lobe = kLobeNone;
+    path.cone = view.texture_lod == kTextureLodCone ? RayCone(view.pixel_width, view.pixel_spread) : kNoCone;
     path.radiance = make_path_radiance();
     while (true) {
         note_ray(path.ray, kRayPath);
@@ -169,7 +172,7 @@ PathRadiance trace_path(ViewData view, uvec2 pixel, uint sample_index, inout Fir
             if (path.bounce == 0u) first.emission = path.radiance.emission;
             break;
         }
-        Surface s = fetch_surface(hit, path.ray);
+        Surface s = fetch_surface(hit, path.ray, path.cone);
         add_emission(path, s, view.light_sampling);
         if (path.bounce == 0u) first = FirstHit(s.base_color, s.n_shading_ws * (s.front_facing ? 1.0 : -1.0), s.emission, s.roughness);
         if (path.bounce >= view.max_bounces) break;

@@ -34,9 +34,9 @@ vec2 interpolate(vec3 weights, vec2 a, vec2 b, vec2 c) {
 }
 
 // Tangent-space normal from a normal map: xy scaled, z rebuilt. Falls back to the vertex normal where tangents degenerate.
-vec3 apply_normal_map(Material material, vec2 uv0, vec2 uv1, vec3 n, vec4 tangent) {
+vec3 apply_normal_map(Material material, vec2 uv0, vec2 uv1, TextureFootprint footprint, vec3 n, vec4 tangent) {
     if (material.normal_texture.texture == kNone || dot(tangent.xyz, tangent.xyz) < 1e-6) return n;
-    precise const vec2 xy = (fetch_texture(material.normal_texture, uv0, uv1, vec4(0.5)).xy * 2.0 - 1.0) * material.normal_scale;
+    precise const vec2 xy = (fetch_texture(material.normal_texture, uv0, uv1, footprint, vec4(0.5)).xy * 2.0 - 1.0) * material.normal_scale;
     precise const vec3 along = tangent.xyz - n * precise_dot(n, tangent.xyz);
     precise const vec3 t = precise_normalize(along);
     precise const vec3 b = precise_cross(n, t) * tangent.w;
@@ -45,7 +45,13 @@ vec3 apply_normal_map(Material material, vec2 uv0, vec2 uv1, vec3 n, vec4 tangen
     return precise_normalize(bent);
 }
 
-Surface fetch_surface(Hit hit, Ray ray) {
+float double_area_uv(vec2 a, vec2 b, vec2 c) {
+    const vec2 e1 = b - a, e2 = c - a;
+    return abs(e1.x * e2.y - e1.y * e2.x);
+}
+
+// `cone` is the ray's: how finely textures are read. Nothing else of the surface depends on it.
+Surface fetch_surface(Hit hit, Ray ray, RayCone cone) {
     precise Surface s;
     s.instance = hit_instance(hit);
     s.geometry = hit.geometry;
@@ -83,22 +89,28 @@ Surface fetch_surface(Hit hit, Ray ray) {
     AttributeArray attributes = AttributeArray(geometry.attributes);
     const VertexAttributes a0 = attributes.v[index.x], a1 = attributes.v[index.y], a2 = attributes.v[index.z];
     const vec2 uv0 = interpolate(weights, a0.uv0, a1.uv0, a2.uv0), uv1 = interpolate(weights, a0.uv1, a1.uv1, a2.uv1);
+    TextureFootprint footprint = kFullResolution;
+    if (has_cone(cone)) {
+        const float width = cone_width(cone, s.t), cosine = dot(s.n_geometric_ws, ray.direction_ws);
+        footprint = TextureFootprint(true, vec2(cone_level(double_area_uv(a0.uv0, a1.uv0, a2.uv0), s.double_area_ws, width, cosine),
+                                                cone_level(double_area_uv(a0.uv1, a1.uv1, a2.uv1), s.double_area_ws, width, cosine)));
+    }
     const vec3 n_object = interpolate(weights, a0.normal, a1.normal, a2.normal);
     const vec3 n_world = transform_normal(instance.object_from_world, n_object);
     s.n_shading_ws = precise_dot(n_world, n_world) > 0.0 ? precise_normalize(n_world) : s.n_geometric_ws;
     const vec3 tangent = transform_vector(instance.world_from_object, interpolate(weights, a0.tangent.xyz, a1.tangent.xyz, a2.tangent.xyz));
-    s.n_shading_ws = apply_normal_map(material, uv0, uv1, s.n_shading_ws, vec4(tangent, a0.tangent.w * winding));
+    s.n_shading_ws = apply_normal_map(material, uv0, uv1, footprint, s.n_shading_ws, vec4(tangent, a0.tangent.w * winding));
 
     const vec3 vertex_color = interpolate(weights, unpackUnorm4x8(a0.color).rgb, unpackUnorm4x8(a1.color).rgb, unpackUnorm4x8(a2.color).rgb);
-    s.base_color = material.base_color.rgb * vertex_color * fetch_texture(material.base_color_texture, uv0, uv1, vec4(1.0)).rgb;
-    const vec4 metal_rough = fetch_texture(material.metal_rough_texture, uv0, uv1, vec4(1.0));
+    s.base_color = material.base_color.rgb * vertex_color * fetch_texture(material.base_color_texture, uv0, uv1, footprint, vec4(1.0)).rgb;
+    const vec4 metal_rough = fetch_texture(material.metal_rough_texture, uv0, uv1, footprint, vec4(1.0));
     s.metallic = clamp(material.metallic * metal_rough.b, 0.0, 1.0);
     s.roughness = clamp(material.roughness * metal_rough.g, 0.0, 1.0);
     s.ior = material.ior;
-    s.specular = material.specular * fetch_texture(material.specular_texture, uv0, uv1, vec4(1.0)).a;
-    s.specular_color = material.specular_color * fetch_texture(material.specular_color_texture, uv0, uv1, vec4(1.0)).rgb;
+    s.specular = material.specular * fetch_texture(material.specular_texture, uv0, uv1, footprint, vec4(1.0)).a;
+    s.specular_color = material.specular_color * fetch_texture(material.specular_color_texture, uv0, uv1, footprint, vec4(1.0)).rgb;
     const bool emits = s.front_facing || (material.flags & kMaterialDoubleSided) != 0u;
-    s.emission = emits ? material.emission * fetch_texture(material.emissive_texture, uv0, uv1, vec4(1.0)).rgb : vec3(0.0);
+    s.emission = emits ? material.emission * fetch_texture(material.emissive_texture, uv0, uv1, footprint, vec4(1.0)).rgb : vec3(0.0);
     if ((material.flags & kMaterialUnlit) != 0u) {  // shown as it is, not lit (KHR_materials_unlit); no light to sample, paths that meet it see it
         s.emission = s.base_color;
         s.base_color = vec3(0.0);

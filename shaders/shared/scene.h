@@ -53,7 +53,14 @@ struct VertexAttributes {
     uint color;     // RGBA8 unorm, linear
 };
 
-// A texture reference: slot of the texture table (kNone: constant 1), which UV set, and KHR_texture_transform as 2x3 rows.
+// One texture of the scene: where it lies now. Materials name it by its row, so that it can move without their being touched.
+struct TextureEntry {
+    uint slot;           // of the texture array in set 0
+    uint width, height;  // of its finest level, texels
+    uint level_count;    // that may be read: 1 where the sampler has no mip levels
+};
+
+// A texture reference: row of the texture table (kNone: constant 1), which UV set, and KHR_texture_transform as 2x3 rows.
 struct TextureRef {
     uint texture;
     uint uv_set;
@@ -118,6 +125,7 @@ struct SceneHeader {
     uint64_t instances;          // Instance[]
     uint64_t geometries;         // Geometry[]
     uint64_t materials;          // Material[]
+    uint64_t textures;           // TextureEntry[]
     uint64_t geometry_emitters;  // uint[]: emitter of (instance.emitter_base + geometry of the mesh), kNone if it does not emit
     uint64_t emitters;           // Emitter[]
     uint64_t emitter_table;      // AliasEntry[emitter_count]

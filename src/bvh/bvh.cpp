@@ -98,6 +98,10 @@ uint32_t add_bottom(Bottoms& bottoms, std::span<const BottomGeometry> geometries
 
 TopItem make_top_item(const Bottoms& bottoms, uint32_t mesh, const glm::mat4& world_from_object, uint32_t instance, uint32_t mask) {
     const uint32_t root = bottoms.roots.at(mesh);
+    return make_top_item(bottoms.nodes[root], root, world_from_object, instance, mask);
+}
+
+TopItem make_top_item(const shared::BvhNode& root_node, uint32_t root, const glm::mat4& world_from_object, uint32_t instance, uint32_t mask) {
     const glm::dmat3 linear{glm::dmat4(world_from_object)}, inverse = glm::inverse(linear);
     const glm::vec3 origin(world_from_object[3]);
     const auto row = [&](int r) { return glm::vec3(inverse[0][r], inverse[1][r], inverse[2][r]); };
@@ -109,7 +113,7 @@ TopItem make_top_item(const Bottoms& bottoms, uint32_t mesh, const glm::mat4& wo
                          .mask = mask,
                          .origin_ws = origin},
                 .box_ws = {}};
-    if (is_finite(linear) && is_finite(inverse) && in_range(origin)) out.box_ws = world_box(bottoms.nodes[root], linear, inverse, glm::dvec3(origin));
+    if (is_finite(linear) && is_finite(inverse) && in_range(origin)) out.box_ws = world_box(root_node, linear, inverse, glm::dvec3(origin));
     return out;
 }
 

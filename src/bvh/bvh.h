@@ -54,6 +54,9 @@ struct TopItem {
 // `instance` is what hits report; rays see it if their mask shares a bit with `mask`.
 TopItem make_top_item(const Bottoms& bottoms, uint32_t mesh, const glm::mat4& world_from_object, uint32_t instance, uint32_t mask = 0xFFu);
 
+// The same for a bottom level that lies elsewhere by now: its root, and the root's place in the node array.
+TopItem make_top_item(const shared::BvhNode& root_node, uint32_t root, const glm::mat4& world_from_object, uint32_t instance, uint32_t mask = 0xFFu);
+
 struct Top {
     std::vector<shared::BvhNode> nodes;  // the root is node 0; an empty scene has one node with four empty children
     std::vector<shared::BvhTopItem> items;

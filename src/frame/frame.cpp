@@ -117,8 +117,13 @@ uint64_t Frame::record(gpu::CommandList& commands) {
         listing_.push_back(record.info);
     }
     tracker_.compact();
+    // Each object once, so that whoever retires the frame sees which of them nobody else holds.
+    std::sort(kept_.begin(), kept_.end());
+    kept_.erase(std::unique(kept_.begin(), kept_.end()), kept_.end());
     frame.kept = std::move(kept_);
     kept_.clear();
+    staging_ = {};
+    upload_ = {};
     records_.clear();
     in_flight_.push_back(std::move(frame));
     recorded_serial_ = serial_;

@@ -6,6 +6,7 @@
 //     frame.compute("post/tonemap").read("hdr", hdr).write("ldr", ldr).push(TonemapPush{scale}).over(ldr.extent());
 //
 // Passes run in call order. Nothing reaches the GPU before record() or submit().
+#include <array>
 #include <functional>
 #include <map>
 #include <memory>
@@ -120,12 +121,20 @@ public:
     void upload(const gpu::Buffer& to, uint64_t offset, std::span<const std::byte> bytes);
     // The first `mips` mips, finest first, with tightly packed rows.
     void upload_image(const gpu::Image& to, std::span<const std::byte> texels, uint32_t mips = 1);
+    // The same without a copy of the data on the host: writes the mapped memory returned, before anything else is asked of the Frame.
+    std::span<std::byte> upload_in_place(const gpu::Buffer& to, uint64_t offset, uint64_t bytes);
+    // Rows [first_row, first_row + rows) of one level, tightly packed.
+    std::span<std::byte> upload_rows_in_place(const gpu::Image& to, uint32_t mip, uint32_t first_row, uint32_t rows);
     void make_mips(const gpu::Image& image);
     void fill(const gpu::Buffer& buffer, uint32_t value);
     void copy(const gpu::Buffer& from, uint64_t from_offset, const gpu::Buffer& to, uint64_t to_offset, uint64_t bytes);
     gpu::Buffer read_back(const gpu::Buffer& from);  // mapped copy, valid after completion
     gpu::Buffer read_back(const gpu::Image& from);
-    void build_blas(const gpu::AccelStruct& blas, std::vector<gpu::BlasGeometry> geometries, std::vector<gpu::Buffer> inputs);
+    // Bottom levels that may be built side by side, out of these buffers.
+    void build_blas(std::vector<gpu::BlasBuild> builds, const std::vector<gpu::Buffer>& inputs);
+    // The sizes that they would have compacted: sizes.read() once the frame is done.
+    void measure_blas(std::vector<gpu::AccelStruct> blases, const gpu::AccelSizes& sizes);
+    void compact_blas(const gpu::AccelStruct& from, const gpu::AccelStruct& to);
     void build_tlas(const gpu::AccelStruct& tlas, const gpu::Buffer& instances, uint32_t count, std::span<const gpu::AccelStruct> bottoms);
 
     // Ends the frame by recording it into `commands`, in order, with barriers. The caller submits, and says with
@@ -158,6 +167,17 @@ private:
         std::vector<std::shared_ptr<void>> kept;
         gpu::TimerPool timers;
     };
+    // Mapped memory of this frame, freed when it is retired.
+    struct Staging {
+        gpu::Buffer buffer;
+        uint64_t offset = 0;
+    };
+    Staging stage(uint64_t bytes);
+    // Uploads that follow one another into rising places of one buffer are one pass.
+    struct Upload {
+        gpu::Buffer from, to;
+        std::vector<std::array<uint64_t, 3>> regions;  // from, to, bytes
+    };
     void add(Record record);
     void keep(std::shared_ptr<void> object) { kept_.push_back(std::move(object)); }
     void order(const Record& record, gpu::CommandList& commands);
@@ -170,6 +190,9 @@ private:
     HazardTracker tracker_;
     std::vector<Record> records_;
     std::vector<std::shared_ptr<void>> kept_;
+    Staging staging_;  // what is left of it: from the offset on
+    std::shared_ptr<Upload> upload_;  // of the last record, if that is one
+    size_t upload_end_ = 0;           // records until then
     std::vector<InFlight> in_flight_;
     std::map<std::string, gpu::Image> images_;
     std::map<std::string, gpu::Buffer> buffers_;

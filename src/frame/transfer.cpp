@@ -19,11 +19,38 @@ uint64_t mip_bytes(const gpu::Image& image, uint32_t mip) {
 
 }  // namespace
 
+// Small uploads share a buffer.
+Frame::Staging Frame::stage(uint64_t bytes) {
+    constexpr uint64_t kBlock = 1 << 18, kAlignment = 16;  // texels are up to 16 bytes
+    if (!staging_.buffer || bytes > staging_.buffer.bytes() - std::min(staging_.offset, staging_.buffer.bytes()))
+        staging_ = {gpu::Buffer(device_, "frame/upload", std::max(bytes, kBlock), gpu::MemoryKind::Upload), 0};
+    const Staging out = staging_;
+    staging_.offset += (bytes + kAlignment - 1) / kAlignment * kAlignment;
+    return out;
+}
+
+std::span<std::byte> Frame::upload_in_place(const gpu::Buffer& to, uint64_t offset, uint64_t bytes) {
+    PARHELION_CHECK(offset <= to.bytes() && bytes <= to.bytes() - offset, "an upload to {} is out of range", to.name());
+    const Staging staging = stage(bytes);
+    const bool joins = upload_ && upload_end_ == records_.size() && upload_->from.id() == staging.buffer.id() && upload_->to.id() == to.id() &&
+                       offset >= upload_->regions.back()[1] + upload_->regions.back()[2];
+    if (!joins) {
+        keep(staging.buffer.data());
+        keep(to.data());
+        upload_ = std::make_shared<Upload>(Upload{staging.buffer, to, {}});
+        add({.info = {.name = "transfer/upload", .reads = {staging.buffer.name()}, .writes = {to.name()}},
+             .accesses = {{staging.buffer.id(), Use::TransferRead, &staging.buffer.name()}, {to.id(), Use::TransferWrite, &to.name()}},
+             .launch = [upload = upload_](gpu::CommandList& commands) {
+                 for (const auto& [from, into, count] : upload->regions) commands.copy(upload->from, from, upload->to, into, count);
+             }});
+        upload_end_ = records_.size();
+    }
+    upload_->regions.push_back({staging.offset, offset, bytes});
+    return {staging.buffer.mapped() + staging.offset, bytes};
+}
+
 void Frame::upload(const gpu::Buffer& to, uint64_t offset, std::span<const std::byte> bytes) {
-    if (bytes.empty()) return;
-    const gpu::Buffer staging(device_, "frame/upload", bytes.size(), gpu::MemoryKind::Upload);
-    std::memcpy(staging.mapped(), bytes.data(), bytes.size());
-    copy(staging, 0, to, offset, bytes.size());
+    if (!bytes.empty()) std::memcpy(upload_in_place(to, offset, bytes.size()).data(), bytes.data(), bytes.size());
 }
 
 void Frame::copy(const gpu::Buffer& from, uint64_t from_offset, const gpu::Buffer& to, uint64_t to_offset, uint64_t bytes) {
@@ -42,24 +69,27 @@ void Frame::fill(const gpu::Buffer& buffer, uint32_t value) {
          .launch = [=](gpu::CommandList& commands) { commands.fill(buffer, 0, buffer.bytes(), value); }});
 }
 
+std::span<std::byte> Frame::upload_rows_in_place(const gpu::Image& to, uint32_t mip, uint32_t first_row, uint32_t rows) {
+    const uint64_t bytes = gpu::format_bytes(to.desc().format, mip_side(to.extent().width, mip), rows);
+    const Staging staging = stage(bytes);
+    keep(staging.buffer.data());
+    keep(to.data());
+    add({.info = {.name = "transfer/upload_image", .reads = {staging.buffer.name()}, .writes = {to.name()}},
+         .accesses = {{staging.buffer.id(), Use::TransferRead, &staging.buffer.name()}, {to.id(), Use::TransferWrite, &to.name()}},
+         .images = {to},
+         .launch = [=](gpu::CommandList& commands) { commands.copy_to_image(staging.buffer, staging.offset, to, mip, first_row, rows); }});
+    return {staging.buffer.mapped() + staging.offset, bytes};
+}
+
 void Frame::upload_image(const gpu::Image& to, std::span<const std::byte> texels, uint32_t mips) {
     uint64_t bytes = 0;
     for (uint32_t mip = 0; mip < mips; ++mip) bytes += mip_bytes(to, mip);
     PARHELION_CHECK(mips <= to.desc().mip_count && texels.size() == bytes, "{}: {} bytes of texels do not fill {} mips", to.name(), texels.size(), mips);
-    const gpu::Buffer staging(device_, "frame/upload", texels.size(), gpu::MemoryKind::Upload);
-    std::memcpy(staging.mapped(), texels.data(), texels.size());
-    keep(staging.data());
-    keep(to.data());
-    add({.info = {.name = "transfer/upload_image", .reads = {staging.name()}, .writes = {to.name()}},
-         .accesses = {{staging.id(), Use::TransferRead, &staging.name()}, {to.id(), Use::TransferWrite, &to.name()}},
-         .images = {to},
-         .launch = [=](gpu::CommandList& commands) {
-             uint64_t offset = 0;
-             for (uint32_t mip = 0; mip < mips; ++mip) {
-                 commands.copy_to_image(staging, offset, to, mip, 0, mip_side(to.extent().height, mip));
-                 offset += mip_bytes(to, mip);
-             }
-         }});
+    for (uint32_t mip = 0; mip < mips; ++mip) {
+        const std::span<const std::byte> level = texels.first(mip_bytes(to, mip));
+        std::memcpy(upload_rows_in_place(to, mip, 0, mip_side(to.extent().height, mip)).data(), level.data(), level.size());
+        texels = texels.subspan(level.size());
+    }
 }
 
 void Frame::make_mips(const gpu::Image& image) {
@@ -90,23 +120,47 @@ gpu::Buffer Frame::read_back(const gpu::Image& from) {
     return to;
 }
 
-void Frame::build_blas(const gpu::AccelStruct& blas, std::vector<gpu::BlasGeometry> geometries, std::vector<gpu::Buffer> inputs) {
-    const gpu::Buffer scratch = buffer("frame/build_scratch", std::max(blas.scratch_bytes(), buffers_["frame/build_scratch"] ? buffers_["frame/build_scratch"].bytes() : 0));
-    Record record{.info = {.name = "build/bottom", .writes = {blas.name()}},
-                  .accesses = {{blas.id(), Use::BuildWrite, &blas.name()}, {scratch.id(), Use::BuildScratch, &scratch.name()}}};
+void Frame::build_blas(std::vector<gpu::BlasBuild> builds, const std::vector<gpu::Buffer>& inputs) {
+    uint64_t scratch_bytes = 0;
+    for (const gpu::BlasBuild& build : builds) scratch_bytes += build.blas.scratch_bytes();
+    const gpu::Buffer scratch(device_, "frame/build_scratch", scratch_bytes);
+    Record record{.info = {.name = "build/bottom", .writes = {builds.front().blas.name()}, .extent = fmt::format("{}", builds.size())},
+                  .accesses = {{scratch.id(), Use::BuildScratch, &scratch.name()}}};
+    for (const gpu::BlasBuild& build : builds) {
+        record.accesses.push_back({build.blas.id(), Use::BuildWrite, &build.blas.name()});
+        keep(build.blas.data());
+    }
     for (const gpu::Buffer& input : inputs) {
         record.info.reads.push_back(input.name());
         record.accesses.push_back({input.id(), Use::BuildInput, &input.name()});
         keep(input.data());
     }
-    keep(blas.data());
     keep(scratch.data());
-    record.launch = [=, geometries = std::move(geometries)](gpu::CommandList& commands) { commands.build_blas(blas, geometries, scratch, 0); };
+    record.launch = [scratch, builds = std::move(builds)](gpu::CommandList& commands) { commands.build_blas(builds, scratch); };
     add(std::move(record));
 }
 
+void Frame::measure_blas(std::vector<gpu::AccelStruct> blases, const gpu::AccelSizes& sizes) {
+    Record record{.info = {.name = "build/measure", .reads = {blases.front().name()}, .extent = fmt::format("{}", blases.size())}};
+    for (const gpu::AccelStruct& blas : blases) {
+        record.accesses.push_back({blas.id(), Use::BuildRead, &blas.name()});
+        keep(blas.data());
+    }
+    keep(sizes.data());
+    record.launch = [sizes, blases = std::move(blases)](gpu::CommandList& commands) { commands.measure_blas(blases, sizes); };
+    add(std::move(record));
+}
+
+void Frame::compact_blas(const gpu::AccelStruct& from, const gpu::AccelStruct& to) {
+    keep(from.data());
+    keep(to.data());
+    add({.info = {.name = "build/compact", .reads = {from.name()}, .writes = {to.name()}},
+         .accesses = {{from.id(), Use::BuildRead, &from.name()}, {to.id(), Use::BuildWrite, &to.name()}},
+         .launch = [=](gpu::CommandList& commands) { commands.compact_blas(from, to); }});
+}
+
 void Frame::build_tlas(const gpu::AccelStruct& tlas, const gpu::Buffer& instances, uint32_t count, std::span<const gpu::AccelStruct> bottoms) {
-    const gpu::Buffer scratch = buffer("frame/build_scratch", std::max(tlas.scratch_bytes(), buffers_["frame/build_scratch"] ? buffers_["frame/build_scratch"].bytes() : 0));
+    const gpu::Buffer scratch(device_, "frame/build_scratch", tlas.scratch_bytes());
     Record record{.info = {.name = "build/top", .reads = {instances.name()}, .writes = {tlas.name()}},
                   .accesses = {{tlas.id(), Use::BuildWrite, &tlas.name()},
                                {scratch.id(), Use::BuildScratch, &scratch.name()},

@@ -44,6 +44,12 @@ struct BarrierScope {
     std::vector<Use> before, after;
 };
 
+// A bottom level to build, from these geometries.
+struct BlasBuild {
+    AccelStruct blas;
+    std::vector<BlasGeometry> geometries;
+};
+
 // Timestamps of one frame; two per pass.
 class TimerPool {
 public:
@@ -85,7 +91,10 @@ public:
     void fill(const Buffer& buffer, uint64_t offset, uint64_t bytes, uint32_t value);
     void blit_mip(const Image& image, uint32_t from_mip);  // linear filter into from_mip + 1
 
-    void build_blas(const AccelStruct& blas, std::span<const BlasGeometry> geometries, const Buffer& scratch, uint64_t scratch_offset);
+    // They may run side by side, each in its own part of `scratch`, which follow one another from offset 0.
+    void build_blas(std::span<const BlasBuild> builds, const Buffer& scratch);
+    void measure_blas(std::span<const AccelStruct> blases, const AccelSizes& sizes);  // built; as many as sizes.count()
+    void compact_blas(const AccelStruct& from, const AccelStruct& to);                // `to` as AccelStruct::compacted made it
     void build_tlas(const AccelStruct& tlas, const Buffer& instances, uint64_t offset, uint32_t count, const Buffer& scratch, uint64_t scratch_offset);
 
     void reset_timers(const TimerPool& pool);

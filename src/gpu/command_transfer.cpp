@@ -22,6 +22,33 @@ uint64_t scratch_address(const AccelStruct& accel, const Buffer& scratch, uint64
     return align_up(scratch.address() + offset, alignment);
 }
 
+// What Vulkan wants to know of one build; it points into itself.
+struct BlasInfo {
+    std::vector<VkAccelerationStructureGeometryKHR> triangles;
+    std::vector<VkAccelerationStructureBuildRangeInfoKHR> ranges;
+    VkAccelerationStructureBuildGeometryInfoKHR header{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_GEOMETRY_INFO_KHR};
+
+    void fill(const AccelStruct& blas, std::span<const BlasGeometry> geometries, uint64_t scratch) {
+        const AccelStruct::Data& data = *blas.data();
+        PARHELION_CHECK(geometries.size() == data.sizes.size(), "{} is built from {} geometries and was made for {}", data.name, geometries.size(), data.sizes.size());
+        for (size_t i = 0; i < geometries.size(); ++i) {
+            const BlasGeometry& geometry = geometries[i];
+            PARHELION_CHECK(geometry.vertex_count <= data.sizes[i].first && geometry.triangle_count <= data.sizes[i].second,
+                            "geometry {} of {} has {} vertices and {} triangles; room is for {} and {}", i, data.name, geometry.vertex_count, geometry.triangle_count,
+                            data.sizes[i].first, data.sizes[i].second);
+            triangles.push_back(triangle_geometry(geometry));
+            ranges.push_back({geometry.triangle_count, 0, 0, 0});
+        }
+        header.type = VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR;
+        header.flags = kBottomFlags;
+        header.mode = VK_BUILD_ACCELERATION_STRUCTURE_MODE_BUILD_KHR;
+        header.dstAccelerationStructure = data.handle;
+        header.geometryCount = static_cast<uint32_t>(triangles.size());
+        header.pGeometries = triangles.data();
+        header.scratchData.deviceAddress = scratch;
+    }
+};
+
 }  // namespace
 
 void CommandList::copy(const Buffer& from, uint64_t from_offset, const Buffer& to, uint64_t to_offset, uint64_t bytes) {
@@ -77,29 +104,35 @@ void CommandList::blit_mip(const Image& image, uint32_t from_mip) {
     impl_->vk().vkCmdBlitImage(impl_->buffer, handle, VK_IMAGE_LAYOUT_GENERAL, handle, VK_IMAGE_LAYOUT_GENERAL, 1, &region, VK_FILTER_LINEAR);
 }
 
-void CommandList::build_blas(const AccelStruct& blas, std::span<const BlasGeometry> geometries, const Buffer& scratch, uint64_t scratch_offset) {
-    const AccelStruct::Data& data = *blas.data();
-    PARHELION_CHECK(geometries.size() == data.sizes.size(), "{} is built from {} geometries and was made for {}", data.name, geometries.size(), data.sizes.size());
-    std::vector<VkAccelerationStructureGeometryKHR> triangles;
-    std::vector<VkAccelerationStructureBuildRangeInfoKHR> ranges;
-    for (size_t i = 0; i < geometries.size(); ++i) {
-        const BlasGeometry& geometry = geometries[i];
-        PARHELION_CHECK(geometry.vertex_count <= data.sizes[i].first && geometry.triangle_count <= data.sizes[i].second,
-                        "geometry {} of {} has {} vertices and {} triangles; room is for {} and {}", i, data.name, geometry.vertex_count, geometry.triangle_count,
-                        data.sizes[i].first, data.sizes[i].second);
-        triangles.push_back(triangle_geometry(geometry));
-        ranges.push_back({geometry.triangle_count, 0, 0, 0});
+void CommandList::build_blas(std::span<const BlasBuild> builds, const Buffer& scratch) {
+    std::vector<BlasInfo> infos(builds.size());
+    std::vector<VkAccelerationStructureBuildGeometryInfoKHR> headers;
+    std::vector<const VkAccelerationStructureBuildRangeInfoKHR*> ranges;
+    uint64_t offset = 0;
+    for (size_t i = 0; i < builds.size(); ++i) {
+        infos[i].fill(builds[i].blas, builds[i].geometries, scratch_address(builds[i].blas, scratch, offset, impl_->device->caps().scratch_alignment));
+        offset += builds[i].blas.scratch_bytes();
+        headers.push_back(infos[i].header);
+        ranges.push_back(infos[i].ranges.data());
     }
-    VkAccelerationStructureBuildGeometryInfoKHR info{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_GEOMETRY_INFO_KHR};
-    info.type = VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR;
-    info.flags = kBuildFlags;
-    info.mode = VK_BUILD_ACCELERATION_STRUCTURE_MODE_BUILD_KHR;
-    info.dstAccelerationStructure = data.handle;
-    info.geometryCount = static_cast<uint32_t>(triangles.size());
-    info.pGeometries = triangles.data();
-    info.scratchData.deviceAddress = scratch_address(blas, scratch, scratch_offset, impl_->device->caps().scratch_alignment);
-    const VkAccelerationStructureBuildRangeInfoKHR* first = ranges.data();
-    impl_->vk().vkCmdBuildAccelerationStructuresKHR(impl_->buffer, 1, &info, &first);
+    impl_->vk().vkCmdBuildAccelerationStructuresKHR(impl_->buffer, static_cast<uint32_t>(headers.size()), headers.data(), ranges.data());
+}
+
+void CommandList::measure_blas(std::span<const AccelStruct> blases, const AccelSizes& sizes) {
+    PARHELION_CHECK(blases.size() == sizes.count(), "{} bottom levels are measured into room for {}", blases.size(), sizes.count());
+    std::vector<VkAccelerationStructureKHR> handles;
+    for (const AccelStruct& blas : blases) handles.push_back(blas.data()->handle);
+    impl_->vk().vkCmdResetQueryPool(impl_->buffer, sizes.data()->pool, 0, sizes.count());
+    impl_->vk().vkCmdWriteAccelerationStructuresPropertiesKHR(impl_->buffer, sizes.count(), handles.data(), VK_QUERY_TYPE_ACCELERATION_STRUCTURE_COMPACTED_SIZE_KHR,
+                                                              sizes.data()->pool, 0);
+}
+
+void CommandList::compact_blas(const AccelStruct& from, const AccelStruct& to) {
+    VkCopyAccelerationStructureInfoKHR info{VK_STRUCTURE_TYPE_COPY_ACCELERATION_STRUCTURE_INFO_KHR};
+    info.src = from.data()->handle;
+    info.dst = to.data()->handle;
+    info.mode = VK_COPY_ACCELERATION_STRUCTURE_MODE_COMPACT_KHR;
+    impl_->vk().vkCmdCopyAccelerationStructureKHR(impl_->buffer, &info);
 }
 
 void CommandList::build_tlas(const AccelStruct& tlas, const Buffer& instances, uint64_t offset, uint32_t count, const Buffer& scratch, uint64_t scratch_offset) {
@@ -110,7 +143,7 @@ void CommandList::build_tlas(const AccelStruct& tlas, const Buffer& instances, u
     const VkAccelerationStructureGeometryKHR geometry = instance_geometry(instances.address() + offset);
     VkAccelerationStructureBuildGeometryInfoKHR info{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_GEOMETRY_INFO_KHR};
     info.type = VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR;
-    info.flags = kBuildFlags;
+    info.flags = kTopFlags;
     info.mode = VK_BUILD_ACCELERATION_STRUCTURE_MODE_BUILD_KHR;
     info.dstAccelerationStructure = data.handle;
     info.geometryCount = 1;

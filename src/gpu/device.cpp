@@ -97,6 +97,11 @@ std::vector<MemoryUse> Device::memory_use() const {
     return out;
 }
 
+uint64_t Device::peak_memory_bytes() const {
+    const std::lock_guard lock(impl_->mutex);
+    return impl_->memory_peak;
+}
+
 void Device::Impl::start() {
 #define PARHELION_LOAD(function) vk.function = reinterpret_cast<PFN_##function>(instance->vk.vkGetDeviceProcAddr(device, #function));
     PARHELION_DEVICE_FUNCTIONS(PARHELION_LOAD)
@@ -151,6 +156,8 @@ void Device::Impl::account(std::string_view resource_name, int64_t bytes) {
     const std::lock_guard lock(mutex);
     const auto it = memory_use.try_emplace(std::string(group), 0).first;
     it->second = static_cast<uint64_t>(static_cast<int64_t>(it->second) + bytes);
+    memory_now = static_cast<uint64_t>(static_cast<int64_t>(memory_now) + bytes);
+    memory_peak = std::max(memory_peak, memory_now);
 }
 
 }  // namespace parhelion::gpu

@@ -87,6 +87,7 @@ public:
     uint64_t validation_message_count() const;  // errors and warnings of the layers since the device was made
     std::vector<std::string> validation_messages() const;
     std::vector<MemoryUse> memory_use() const;  // bytes now allocated, by group
+    uint64_t peak_memory_bytes() const;         // the most that was allocated at any time, all groups together
 
     struct Impl;  // Vulkan objects, defined in gpu/internal.h
     Impl& impl() { return *impl_; }

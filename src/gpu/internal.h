@@ -51,7 +51,8 @@ namespace parhelion::gpu {
     X(vkSetDebugUtilsObjectNameEXT) X(vkCmdBeginDebugUtilsLabelEXT) X(vkCmdEndDebugUtilsLabelEXT)                                 \
     X(vkCreateAccelerationStructureKHR) X(vkDestroyAccelerationStructureKHR) X(vkGetAccelerationStructureBuildSizesKHR)           \
     X(vkGetAccelerationStructureDeviceAddressKHR) X(vkCmdBuildAccelerationStructuresKHR) X(vkCreateRayTracingPipelinesKHR)        \
-    X(vkGetRayTracingShaderGroupHandlesKHR) X(vkCmdTraceRaysKHR) X(vkCmdTraceRaysIndirectKHR)
+    X(vkGetRayTracingShaderGroupHandlesKHR) X(vkCmdTraceRaysKHR) X(vkCmdTraceRaysIndirectKHR)                                     \
+    X(vkCmdCopyAccelerationStructureKHR) X(vkCmdWriteAccelerationStructuresPropertiesKHR)
 
 #define PARHELION_FUNCTION_MEMBER(name) PFN_##name name = nullptr;
 struct InstanceFunctions {
@@ -176,6 +177,7 @@ struct Device::Impl {
     std::vector<std::pair<SamplerDesc, std::shared_ptr<Sampler::Data>>> samplers;
     std::map<std::pair<uint64_t, std::string>, std::shared_ptr<Program::Data>> programs;
     std::map<std::string, uint64_t, std::less<>> memory_use;
+    uint64_t memory_now = 0, memory_peak = 0;  // bytes of all groups
 
     const std::string& name() const { return physical.caps.name; }
     void start();                   // after `device` is set: functions, memory, set 0, pipeline cache
@@ -232,7 +234,15 @@ struct AccelStruct::Data {
 };
 VkAccelerationStructureGeometryKHR triangle_geometry(const BlasGeometry& geometry);
 VkAccelerationStructureGeometryKHR instance_geometry(uint64_t instances_address);
-constexpr VkBuildAccelerationStructureFlagsKHR kBuildFlags = VK_BUILD_ACCELERATION_STRUCTURE_PREFER_FAST_TRACE_BIT_KHR;
+constexpr VkBuildAccelerationStructureFlagsKHR kTopFlags = VK_BUILD_ACCELERATION_STRUCTURE_PREFER_FAST_TRACE_BIT_KHR;
+constexpr VkBuildAccelerationStructureFlagsKHR kBottomFlags = kTopFlags | VK_BUILD_ACCELERATION_STRUCTURE_ALLOW_COMPACTION_BIT_KHR;
+
+struct AccelSizes::Data {
+    DevicePtr device;
+    VkQueryPool pool = nullptr;
+    uint32_t count = 0;
+    ~Data();
+};
 
 // Owned by the device's cache: holds no DevicePtr of its own, the handles given out do.
 struct Program::Data {

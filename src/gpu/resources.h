@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "gpu/device.h"
 
@@ -141,6 +142,8 @@ public:
     AccelStruct() = default;
     // Bottom level for these geometries; build it with CommandList::build_blas.
     static AccelStruct bottom(const DevicePtr& device, std::string name, std::span<const BlasGeometry> geometries);
+    // Bottom level that takes a compacted copy of this size (CommandList::compact_blas; the size is one of AccelSizes).
+    static AccelStruct compacted(const DevicePtr& device, std::string name, uint64_t bytes);
     // Top level for up to max_instances instances.
     static AccelStruct top(const DevicePtr& device, std::string name, uint32_t max_instances);
 
@@ -151,6 +154,22 @@ public:
     const std::string& name() const;
     const void* id() const { return data_.get(); }
 
+    struct Data;
+    const std::shared_ptr<Data>& data() const { return data_; }
+
+private:
+    std::shared_ptr<Data> data_;
+};
+
+// The bytes that built bottom levels would need if they were compacted: the device writes them (CommandList::measure_blas).
+class AccelSizes {
+public:
+    AccelSizes() = default;
+    AccelSizes(const DevicePtr& device, uint32_t count);
+    explicit operator bool() const { return data_ != nullptr; }
+    uint32_t count() const;
+    // Call after the commands that write them are done. Empty: the device has not written them.
+    std::vector<uint64_t> read() const;
     struct Data;
     const std::shared_ptr<Data>& data() const { return data_; }
 

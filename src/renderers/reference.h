@@ -6,8 +6,8 @@ namespace parhelion {
 
 // Records one slice: some samples of some rows. A slice must lie inside one block of 64 samples; it ends the block for its rows
 // when its last sample is the block's last, or when `ends_range` (the last sample of the whole job). Only records: no submit, no
-// wait. Pictures do not depend on how a job is cut into slices.
-void record_reference(Frame& frame, SceneGpu& scene, gpu::TraceWay way, View& view, const shared::Slice& slice, bool ends_range);
+// wait. The scene must be drawable (SceneGpu::update). Pictures do not depend on how a job is cut into slices.
+void record_reference(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, View& view, const shared::Slice& slice, bool ends_range);
 
 // Ends the running block of every row, whatever its number of samples: for a job that stops inside a block. Sums that it was
 // called on are those of a picture; more samples of the same block cannot follow.

@@ -31,7 +31,7 @@ TraceShare measure_trace_share(const gpu::DevicePtr& device, SceneGpu& scene, gp
     view.clear_film();
     const gpu::Buffer dump(device, "replay/dump", uint64_t(film.width) * film.height * shared::kMaxDumpedRays * sizeof(shared::DumpedRay));
     const gpu::Buffer hits(device, "replay/hits", uint64_t(film.width) * film.height * sizeof(uint32_t));
-    scene.update(frame);
+    scene.finish(frame);
     view.prepare(frame);
     frame.fill(dump, 0);
     passes::path_trace_dumping(frame, scene, way, film, slice, dump);

@@ -1,6 +1,7 @@
 #include "renderers/view.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/error.h"
 
@@ -40,6 +41,13 @@ void check_aovs(const std::vector<std::string>& aovs) {
     }
 }
 
+// The cone of a pixel in the middle of the picture. One width for both axes: the side of a square of the pixel's area.
+void set_pixel_cone(shared::ViewData& data) {
+    const float side = 2.0f * std::sqrt(glm::length(data.camera.right_ws) * glm::length(data.camera.up_ws) / (static_cast<float>(data.width) * static_cast<float>(data.height)));
+    data.pixel_width = data.camera.orthographic != 0 ? side : 0.0f;
+    data.pixel_spread = data.camera.orthographic != 0 ? 0.0f : side;
+}
+
 }  // namespace
 
 View::View(gpu::DevicePtr device, const ViewDesc& desc) : device_(std::move(device)), desc_(desc) {
@@ -53,6 +61,8 @@ View::View(gpu::DevicePtr device, const ViewDesc& desc) : device_(std::move(devi
     data_.pixel_filter = static_cast<uint32_t>(desc.filter);
     data_.roulette_start = desc.roulette_start;
     data_.light_sampling = desc.light_sampling;
+    data_.texture_lod = static_cast<uint32_t>(desc.texture_lod);
+    set_pixel_cone(data_);
     for (const FilmGroup& group : film_groups()) {
         const bool wanted = group.group == shared::kFilmBeauty || std::ranges::any_of(desc.aovs, [&](const std::string& aov) { return is_asked_for(group, aov); });
         data_.channel[group.group] = wanted ? data_.channel_count : shared::kNoChannel;
@@ -77,6 +87,7 @@ void View::set_camera(const shared::Camera& camera) {
     data_.camera_before = data_.camera;
     data_.camera = camera;
     desc_.camera = camera;
+    set_pixel_cone(data_);
     upload_ = true;
     clear_film();
 }

@@ -14,6 +14,7 @@ namespace parhelion {
 
 enum class SamplerKind : uint32_t { Owen, Cranley, Pcg, White };
 enum class PixelFilter : uint32_t { Box, Point };
+enum class TextureLod : uint32_t { Full, Cone };
 
 // A group of film channels, by its AOV name: "beauty", "albedo", "path.direct_diffuse", ...
 struct FilmGroup {
@@ -32,6 +33,7 @@ struct ViewDesc {
     PixelFilter filter = PixelFilter::Box;
     uint32_t roulette_start = 2;
     uint32_t light_sampling = 0;  // 0: MIS; 1: light sampling only; 2: BSDF sampling only
+    TextureLod texture_lod = TextureLod::Full;
     std::vector<std::string> aovs;  // film groups besides the beauty
 };
 
@@ -59,9 +61,9 @@ public:
     // Uploads what changed and clears the film where that was asked for; the first passes of a frame.
     void prepare(Frame& frame);
     void clear_film() { clear_ = true, accumulation_.samples = 0; }
-    // What a Renderer has drawn into the film: so many samples, of the scene after so many of its edits.
+    // What a Renderer has drawn into the film: so many samples of one version of the scene (SceneGpu::version).
     struct Accumulation {
-        uint64_t samples = 0, scene_edits = 0;
+        uint64_t samples = 0, scene_version = 0;
     };
     Accumulation& accumulation() { return accumulation_; }
     // Continues from sums of an earlier run (--resume).

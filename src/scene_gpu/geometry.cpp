@@ -1,6 +1,6 @@
-// Geometry in shared buffers, and the bottom levels of both kinds of acceleration structure.
+// Meshes on the device: which ones, their arrays in shared buffers, and the table of geometries that refers to them.
 #include <algorithm>
-#include <chrono>
+#include <cstring>
 
 #include "base/error.h"
 #include "scene_gpu/state.h"
@@ -15,85 +15,148 @@ uint32_t pack_color(glm::vec4 color) {
 }
 
 // Missing attributes: normals become zero (the surface then takes the triangle's own), colours white.
-void append_attributes(const Primitive& primitive, std::vector<shared::VertexAttributes>& out) {
-    const auto at = [](const auto& values, size_t i, auto fallback) { return values.empty() ? fallback : values[i]; };
-    for (size_t i = 0; i < primitive.positions.size(); ++i)
-        out.push_back({.normal = at(primitive.normals, i, glm::vec3(0.0f)),
-                       .tangent = at(primitive.tangents, i, glm::vec4(0.0f)),
-                       .uv0 = at(primitive.uv0, i, glm::vec2(0.0f)),
-                       .uv1 = at(primitive.uv1, i, glm::vec2(0.0f)),
-                       .color = primitive.colors.empty() ? ~0u : pack_color(primitive.colors[i])});
+shared::VertexAttributes attributes_of(const Primitive& primitive, size_t i) {
+    const auto at = [i](const auto& values, auto fallback) { return values.empty() ? fallback : values[i]; };
+    return {.normal = at(primitive.normals, glm::vec3(0.0f)),
+            .tangent = at(primitive.tangents, glm::vec4(0.0f)),
+            .uv0 = at(primitive.uv0, glm::vec2(0.0f)),
+            .uv1 = at(primitive.uv1, glm::vec2(0.0f)),
+            .color = primitive.colors.empty() ? ~0u : pack_color(primitive.colors[i])};
+}
+
+template <class T>
+RowSource array_source(const BufferRange& to, const std::vector<T>& values) {
+    return {to.buffer, to.offset, sizeof(T), values.size(),
+            [&values](std::byte* out, uint64_t first, uint64_t count) { std::memcpy(out, values.data() + first, count * sizeof(T)); }};
+}
+
+RowSource attribute_source(const BufferRange& to, const Primitive& primitive) {
+    return {to.buffer, to.offset, sizeof(shared::VertexAttributes), primitive.positions.size(), [&primitive](std::byte* out, uint64_t first, uint64_t count) {
+                for (uint64_t i = 0; i < count; ++i) {
+                    const shared::VertexAttributes row = attributes_of(primitive, first + i);
+                    std::memcpy(out + i * sizeof(row), &row, sizeof(row));
+                }
+            }};
+}
+
+uint64_t bytes_of(const Mesh& mesh) {
+    uint64_t bytes = 0;
+    for (const Primitive& p : mesh.primitives)
+        bytes += uint64_t(p.positions.size()) * (sizeof(glm::vec3) + sizeof(shared::VertexAttributes)) + uint64_t(p.triangles.size()) * sizeof(glm::uvec3);
+    return bytes;
+}
+
+// By index of the handle: the meshes that some instance draws.
+std::vector<bool> drawn_meshes(const Scene& scene) {
+    std::vector<bool> drawn(scene.meshes().slot_count(), false);
+    for (const auto& [handle, instance] : scene.instances())
+        if (drawable(instance.place.world_from_object)) drawn[instance.drawn_mesh().index] = true;
+    return drawn;
 }
 
 }  // namespace
 
-void SceneGpu::State::upload_geometry(Frame& frame) {
-    std::vector<glm::vec3> all_positions;
-    std::vector<glm::uvec3> all_indices;
-    std::vector<shared::VertexAttributes> all_attributes;
-    std::vector<uint64_t> first_vertex, first_triangle;
-    geometries.clear();
-    meshes.clear();
-    bottoms = {};
-    stats.triangles = 0;
-    const auto start = std::chrono::steady_clock::now();
+void SceneGpu::State::plan_meshes() {
+    for (auto& [handle, mesh] : meshes) mesh.wanted = false;
+    wanted_meshes.clear();
+    const std::vector<bool> drawn = drawn_meshes(*scene);
+    uint64_t new_bytes = 0, new_triangles = 0, new_nodes = 0;
     for (const auto& [handle, mesh] : scene->meshes()) {
-        MeshOnDevice& on_device = meshes[handle];
-        on_device.geometry_base = static_cast<uint32_t>(geometries.size());
-        on_device.geometry_count = static_cast<uint32_t>(mesh.primitives.size());
-        std::vector<bvh::BottomGeometry> own;
-        for (const Primitive& primitive : mesh.primitives) {
-            const uint32_t row = material_rows.at(primitive.material);
-            geometries.push_back({.triangle_count = static_cast<uint32_t>(primitive.triangles.size()),
-                                  .vertex_count = static_cast<uint32_t>(primitive.positions.size()),
-                                  .material = row,
-                                  .flags = materials[row].flags,
-                                  .triangle_table = shared::kNone});
-            first_vertex.push_back(all_positions.size());
-            first_triangle.push_back(all_indices.size());
-            all_positions.insert(all_positions.end(), primitive.positions.begin(), primitive.positions.end());
-            all_indices.insert(all_indices.end(), primitive.triangles.begin(), primitive.triangles.end());
-            append_attributes(primitive, all_attributes);
-            own.push_back({primitive.positions, primitive.triangles});
+        if (!drawn[handle.index] || mesh.triangle_count == 0) continue;
+        const auto [at, is_new] = meshes.try_emplace(handle);
+        at->second.wanted = true;
+        wanted_meshes.push_back(handle);
+        if (!is_new) continue;
+        at->second.bytes = bytes_of(mesh);
+        at->second.triangle_count = mesh.triangle_count;
+        new_bytes += at->second.bytes + 64 * mesh.primitives.size();  // arrays are aligned
+        new_triangles += mesh.triangle_count;
+        new_nodes += mesh.triangle_count / 5 + 1;  // about; more make the array grow
+    }
+    // What has never been seen may go at once.
+    forget_meshes([](const MeshOnDevice& mesh) { return !mesh.wanted && mesh.drawn_at == 0; });
+    if (new_triangles == 0) return;
+    geometry_pool.expect(new_bytes);
+    bottom_nodes.expect(new_nodes);
+    bottom_triangles.expect(new_triangles);
+}
+
+void SceneGpu::State::upload_meshes(Frame& frame, Slice& slice) {
+    for (const Handle<Mesh> handle : wanted_meshes) {
+        MeshOnDevice& mesh = meshes.at(handle);
+        if (mesh.uploaded) continue;
+        if (!slice.has_bytes()) return;
+        const Mesh& source = scene->get(handle);
+        if (mesh.parts.empty()) {
+            mesh.geometry_base = static_cast<uint32_t>(*geometry_rows.take(source.primitives.size()));
+            for (const Primitive& p : source.primitives)
+                mesh.parts.push_back({.positions = geometry_pool.take(p.positions.size() * sizeof(glm::vec3)),
+                                      .indices = geometry_pool.take(p.triangles.size() * sizeof(glm::uvec3)),
+                                      .attributes = geometry_pool.take(p.positions.size() * sizeof(shared::VertexAttributes)),
+                                      .vertex_count = static_cast<uint32_t>(p.positions.size()),
+                                      .triangle_count = static_cast<uint32_t>(p.triangles.size())});
+        }
+        std::vector<RowSource> rows;
+        for (size_t i = 0; i < source.primitives.size(); ++i) {
+            rows.push_back(array_source(mesh.parts[i].positions, source.primitives[i].positions));
+            rows.push_back(array_source(mesh.parts[i].indices, source.primitives[i].triangles));
+            rows.push_back(attribute_source(mesh.parts[i].attributes, source.primitives[i]));
+        }
+        mesh.uploaded = upload_rows(frame, slice, rows, mesh.done_rows);
+    }
+}
+
+// Rows of meshes that are gone but may still be seen in the previous frame stay as they are.
+void SceneGpu::State::make_geometries() {
+    std::vector<shared::Geometry> rows = geometries;
+    stats.triangles = 0;
+    for (const Handle<Mesh> handle : wanted_meshes) {
+        const MeshOnDevice& mesh = meshes.at(handle);
+        const Mesh& source = scene->get(handle);
+        rows.resize(std::max<size_t>(rows.size(), mesh.geometry_base + mesh.parts.size()));
+        for (size_t i = 0; i < mesh.parts.size(); ++i) {
+            const PartOnDevice& part = mesh.parts[i];
+            const uint32_t material = source.primitives[i].material.index;
+            shared::Geometry& row = rows[mesh.geometry_base + i];
+            row.positions = part.positions.address();
+            row.indices = part.indices.address();
+            row.attributes = part.attributes.address();
+            row.triangle_count = part.triangle_count;
+            row.vertex_count = part.vertex_count;
+            row.material = material;
+            row.flags = materials[material].flags;
+            const auto table = triangle_table_of_geometry.find(mesh.geometry_base + static_cast<uint32_t>(i));
+            row.triangle_table = table == triangle_table_of_geometry.end() ? shared::kNone : table->second;
         }
         stats.triangles += mesh.triangle_count;
-        if (options.own_bvh) on_device.own_root = bvh::add_bottom(bottoms, own);
     }
-    stats.own_build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    stats.meshes = static_cast<uint32_t>(meshes.size());
+    stats.meshes = static_cast<uint32_t>(wanted_meshes.size());
+    const bool same = rows.size() == geometries.size() && std::memcmp(rows.data(), geometries.data(), rows.size() * sizeof(shared::Geometry)) == 0;
+    if (same && geometry_table) return;
+    geometries = std::move(rows);
+    geometry_table = make_table("geometries", std::span<const shared::Geometry>(geometries));
+}
 
-    positions = make_buffer(frame, "positions", all_positions);
-    indices = make_buffer(frame, "indices", all_indices);
-    attributes = make_buffer(frame, "attributes", all_attributes);
-    for (size_t g = 0; g < geometries.size(); ++g) {
-        geometries[g].positions = positions.address() + first_vertex[g] * sizeof(glm::vec3);
-        geometries[g].indices = indices.address() + first_triangle[g] * sizeof(glm::uvec3);
-        geometries[g].attributes = attributes.address() + first_vertex[g] * sizeof(shared::VertexAttributes);
+void SceneGpu::State::forget_meshes(const std::function<bool(const MeshOnDevice&)>& choose) {
+    for (auto at = meshes.begin(); at != meshes.end();) {
+        if (!choose(at->second)) {
+            ++at;
+            continue;
+        }
+        const MeshOnDevice& mesh = at->second;
+        for (const PartOnDevice& part : mesh.parts)
+            for (const BufferRange* range : {&part.positions, &part.indices, &part.attributes}) geometry_pool.give(*range);
+        geometry_rows.give(mesh.geometry_base, mesh.parts.size());
+        bottom_nodes.give(mesh.own_nodes, mesh.own_node_count);
+        bottom_triangles.give(mesh.own_triangles, mesh.own_triangle_count);
+        at = meshes.erase(at);
     }
-    upload_triangle_tables(frame);
-    geometry_table = make_buffer(frame, "geometries", geometries);
-    if (options.own_bvh) {
-        bottom_nodes = make_buffer(frame, "bottom_nodes", bottoms.nodes);
-        bottom_triangles = make_buffer(frame, "bottom_triangles", bottoms.triangles);
-    }
-    if (!uses_hardware()) return;
-    for (auto& [handle, mesh] : meshes) {
-        // The driver culls by a flag of the whole instance. A mesh that mixes single- and double-sided geometries is not culled by
-        // it; any-hit does it there, so its single-sided geometries are not opaque to the driver.
-        const auto first = geometries.begin() + mesh.geometry_base, last = first + mesh.geometry_count;
-        const auto is_double_sided = [](const shared::Geometry& g) { return (g.flags & shared::kMaterialDoubleSided) != 0; };
-        mesh.cull_by_flag = options.culling && std::none_of(first, last, is_double_sided);
-        const bool any_hit_culls = options.culling && !mesh.cull_by_flag;
-        std::vector<gpu::BlasGeometry> driver;
-        for (auto g = first; g != last; ++g)
-            driver.push_back({.positions = g->positions,
-                              .vertex_count = g->vertex_count,
-                              .indices = g->indices,
-                              .triangle_count = g->triangle_count,
-                              .opaque = (g->flags & shared::kAlphaModeMask) == shared::kAlphaOpaque && !(any_hit_culls && !is_double_sided(*g))});
-        mesh.blas = gpu::AccelStruct::bottom(device, "accel/bottom", driver);
-        frame.build_blas(mesh.blas, driver, {positions, indices});
-    }
+}
+
+// What neither the present nor the previous top level shows any more.
+void SceneGpu::State::forget_unwanted() {
+    forget_meshes([&](const MeshOnDevice& mesh) { return !mesh.wanted && mesh.drawn_at + 1 < published; });
+    std::erase_if(images, [](const auto& item) { return !item.second.wanted; });
 }
 
 }  // namespace parhelion

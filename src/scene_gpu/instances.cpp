@@ -58,48 +58,51 @@ void SceneGpu::State::assign_instance_rows() {
         if (!instance_handles[row]) left_rows.push_back(row);
 }
 
-void SceneGpu::State::place_instances(Frame& frame) {
+void SceneGpu::State::place_instances() {
     assign_instance_rows();
     geometry_emitter_rows.clear();
     std::vector<gpu::TlasInstance> driver;
     std::vector<bvh::TopItem> own;
-    std::vector<gpu::AccelStruct> blases;
+    next = {};
     stats.instanced_triangles = 0;
     for (uint32_t index = 0; index < instances.size(); ++index) {
         if (!instance_handles[index]) continue;
         const Instance& instance = scene->get(instance_handles[index]);
         const glm::mat4& world = instance.place.world_from_object;
-        const MeshOnDevice& on_device = meshes.at(instance.drawn_mesh());
+        MeshOnDevice& on_device = meshes.at(instance.drawn_mesh());
+        on_device.drawn_at = published + 1;
+        const auto geometry_count = static_cast<uint32_t>(on_device.parts.size());
         const glm::mat4 inverse(glm::inverse(glm::dmat4(world)));
         instances[index] = {.world_from_object = to_affine(world),
                             .object_from_world = to_affine(inverse),
                             .world_from_object_before = to_affine(instance.place.world_from_object_before),
                             .geometry_base = on_device.geometry_base,
-                            .geometry_count = on_device.geometry_count,
+                            .geometry_count = geometry_count,
                             .emitter_base = static_cast<uint32_t>(geometry_emitter_rows.size()),
                             .flags = mirrors(world) ? shared::kInstanceFlipsFacing : 0u,
                             .mask = 0xFFu};
-        geometry_emitter_rows.resize(geometry_emitter_rows.size() + on_device.geometry_count, shared::kNone);
-        stats.instanced_triangles += scene->get(instance.drawn_mesh()).triangle_count;
+        geometry_emitter_rows.resize(geometry_emitter_rows.size() + geometry_count, shared::kNone);
+        stats.instanced_triangles += on_device.triangle_count;
         if (uses_hardware()) {
             driver.push_back(to_tlas(instances[index], on_device, index));
-            blases.push_back(on_device.blas);
+            next.kept.push_back(on_device.blas);
         }
-        if (options.own_bvh) own.push_back(bvh::make_top_item(bottoms, on_device.own_root, world, index));
+        if (options.own_bvh) own.push_back(bvh::make_top_item(on_device.own_root, static_cast<uint32_t>(on_device.own_nodes), world, index));
     }
     stats.instances = static_cast<uint32_t>(instance_rows.size());
     PARHELION_CHECK(instances.size() <= 0xFFFFFFu, "{} instances are more than the 2^24 that a top level holds", instances.size());
-    instance_table = make_buffer(frame, "instances", instances);
+    instance_table = make_table("instances", std::span<const shared::Instance>(instances));
     if (uses_hardware()) {
-        tlas_instances = make_buffer(frame, "tlas_instances", driver);
-        gpu::AccelStruct& top_level = tlas[parity];
-        top_level = gpu::AccelStruct::top(device, "accel/top", std::max(1u, static_cast<uint32_t>(driver.size())));
-        frame.build_tlas(top_level, tlas_instances, static_cast<uint32_t>(driver.size()), blases);
+        tlas_count = static_cast<uint32_t>(driver.size());
+        tlas_instances = make_table("tlas_instances", std::move(driver));
+        // A mesh of many instances is kept once.
+        std::ranges::sort(next.kept, {}, &gpu::AccelStruct::id);
+        next.kept.erase(std::ranges::unique(next.kept, {}, &gpu::AccelStruct::id).begin(), next.kept.end());
     }
     if (options.own_bvh) {
-        const bvh::Top top = bvh::build_top(own);
-        top_nodes[parity] = make_buffer(frame, "top_nodes", top.nodes);
-        top_items[parity] = make_buffer(frame, "top_items", top.items);
+        bvh::Top top = bvh::build_top(own);
+        next.nodes = make_table("top_nodes", std::move(top.nodes));
+        next.items = make_table("top_items", std::move(top.items));
     }
 }
 

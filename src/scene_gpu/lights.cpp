@@ -66,7 +66,8 @@ constexpr uint32_t kMaxTableWidth = 1024, kMaxTableHeight = 512;
 
 }  // namespace
 
-void SceneGpu::State::upload_environment(Frame& frame) {
+void SceneGpu::State::make_environment() {
+    if (!environment_table_stale) return;
     const Environment& e = scene->environment();
     environment = {.scale = e.scale,
                    .texture = shared::kNone,
@@ -89,42 +90,40 @@ void SceneGpu::State::upload_environment(Frame& frame) {
                 weights[size_t(row) * environment.table_width + uint64_t(x) * environment.table_width / e.width] += solid_angle * lum[size_t(y) * e.width + x];
         }
         environment_flux = static_cast<float>(std::accumulate(weights.begin(), weights.end(), 0.0) / (4.0 * kPi));
-        std::vector<glm::vec4> texels(e.radiance.size());
-        std::transform(e.radiance.begin(), e.radiance.end(), texels.begin(), [](glm::vec3 c) { return glm::vec4(c, 1.0f); });
-        const gpu::Image image(device, "textures/environment", {.format = gpu::Format::Rgba32Float, .extent = {e.width, e.height}});
-        frame.upload_image(image, std::as_bytes(std::span(texels)));
-        environment.texture = static_cast<uint32_t>(textures.size());
-        textures.emplace_back(image, gpu::Sampler(device, {.wrap_u = gpu::Wrap::Repeat, .wrap_v = gpu::Wrap::Clamp}));
-        images.push_back(image);
     }
     std::vector<shared::AliasEntry> rows;
     append_alias_rows(weights, rows);
-    environment_alias = make_buffer(frame, "environment_alias", rows);
+    environment_alias = make_table("environment_alias", std::move(rows));
 }
 
-void SceneGpu::State::upload_triangle_tables(Frame& frame) {
-    triangle_rows.clear();
-    triangle_table_of_geometry.clear();
-    for (const auto& [handle, mesh] : scene->meshes()) {
-        const MeshOnDevice& on_device = meshes.at(handle);
-        for (uint32_t g = 0; g < on_device.geometry_count; ++g) {
-            const Primitive& primitive = mesh.primitives[g];
-            shared::Geometry& row = geometries[on_device.geometry_base + g];
-            const shared::Material& material = materials[row.material];
-            if (primitive.triangles.empty() || material.emission == glm::vec3(0.0f) || (material.flags & shared::kMaterialUnlit) != 0) continue;
-            std::vector<double> areas;
-            for (const glm::uvec3& t : primitive.triangles)
-                areas.push_back(0.5 * glm::length(glm::cross(primitive.positions[t.y] - primitive.positions[t.x], primitive.positions[t.z] - primitive.positions[t.x])));
-            row.triangle_table = static_cast<uint32_t>(triangle_rows.size());
-            triangle_table_of_geometry[on_device.geometry_base + g] = row.triangle_table;
-            append_alias_rows(areas, triangle_rows);
+// Object-space areas: they depend on nothing but which geometries emit.
+void SceneGpu::State::make_triangle_tables() {
+    std::vector<std::pair<Handle<Mesh>, uint32_t>> parts;
+    for (const Handle<Mesh> handle : wanted_meshes) {
+        const Mesh& mesh = scene->get(handle);
+        for (uint32_t g = 0; g < mesh.primitives.size(); ++g) {
+            const shared::Material& material = materials[mesh.primitives[g].material.index];
+            if (!mesh.primitives[g].triangles.empty() && material.emission != glm::vec3(0.0f) && (material.flags & shared::kMaterialUnlit) == 0) parts.emplace_back(handle, g);
         }
     }
-    stats.emissive_triangles = triangle_rows.size();
-    triangle_alias = make_buffer(frame, "triangle_alias", triangle_rows);
+    if (triangle_alias && parts == emissive_parts) return;
+    emissive_parts = std::move(parts);
+    triangle_table_of_geometry.clear();
+    std::vector<shared::AliasEntry> rows;
+    for (const auto& [handle, g] : emissive_parts) {
+        const Primitive& primitive = scene->get(handle).primitives[g];
+        std::vector<double> areas;
+        areas.reserve(primitive.triangles.size());
+        for (const glm::uvec3& t : primitive.triangles)
+            areas.push_back(0.5 * glm::length(glm::cross(primitive.positions[t.y] - primitive.positions[t.x], primitive.positions[t.z] - primitive.positions[t.x])));
+        triangle_table_of_geometry[meshes.at(handle).geometry_base + g] = static_cast<uint32_t>(rows.size());
+        append_alias_rows(areas, rows);
+    }
+    stats.emissive_triangles = rows.size();
+    triangle_alias = make_table("triangle_alias", std::move(rows));
 }
 
-void SceneGpu::State::place_emitters(Frame& frame) {
+void SceneGpu::State::place_emitters() {
     emitters.clear();
     std::vector<double> finite, infinite;  // flux in lumen; irradiance in lux
     std::vector<uint32_t> finite_rows, infinite_rows;
@@ -177,10 +176,10 @@ void SceneGpu::State::place_emitters(Frame& frame) {
     for (size_t k = 0; k < infinite.size(); ++k) weights[infinite_rows[k]] = share * (infinite_total > 0 ? infinite[k] / infinite_total : 1.0 / double(infinite.size()));
     std::vector<shared::AliasEntry> rows;
     append_alias_rows(weights, rows);
-    emitter_table = make_buffer(frame, "emitters", emitters);
-    emitter_alias = make_buffer(frame, "emitter_alias", rows);
-    suns = make_buffer(frame, "suns", sun_rows);
-    geometry_emitters = make_buffer(frame, "geometry_emitters", geometry_emitter_rows);
+    emitter_table = make_table("emitters", std::span<const shared::Emitter>(emitters));
+    emitter_alias = make_table("emitter_alias", std::move(rows));
+    suns = make_table("suns", std::span<const uint32_t>(sun_rows));
+    geometry_emitters = make_table("geometry_emitters", std::span<const uint32_t>(geometry_emitter_rows));
     stats.emitters = static_cast<uint32_t>(emitters.size());
 }
 

@@ -1,110 +1,128 @@
 #include "scene_gpu/scene_gpu.h"
 
 #include "base/error.h"
-#include "sampling/blue_noise.h"
-#include "sampling/sobol.h"
 #include "scene_gpu/state.h"
 
 namespace parhelion {
 
-SceneGpu::SceneGpu(gpu::DevicePtr device, const SceneGpuOptions& options) : state_(std::make_unique<State>()) {
-    state_->device = std::move(device);
-    state_->options = options;
-}
+SceneGpu::State::State(gpu::DevicePtr the_device, const SceneGpuOptions& the_options)
+    : device(std::move(the_device)),
+      options(the_options),
+      geometry_pool(device, "scene/geometry", options.geometry_buffer_bytes),
+      bottom_nodes(device, "scene/bottom_nodes", sizeof(shared::BvhNode)),
+      bottom_triangles(device, "scene/bottom_triangles", sizeof(shared::BvhTriangle)) {}
+
+SceneGpu::SceneGpu(gpu::DevicePtr device, const SceneGpuOptions& options) : state_(std::make_unique<State>(std::move(device), options)) {}
 SceneGpu::~SceneGpu() = default;
 
-const SceneBinding& SceneGpu::binding() const { return state_->binding; }
+uint64_t SceneGpu::version() const { return state_->version; }
 const SceneGpuStats& SceneGpu::stats() const { return state_->stats; }
+const SceneBinding& SceneGpu::binding() const {
+    PARHELION_CHECK(state_->published > 0, "the scene is not on the device yet: SceneGpu::update() has not said drawable");
+    return state_->binding;
+}
 
 void SceneGpu::sync(const Scene& scene) {
+    state_->begin_anew();
     state_->scene = &scene;
-    state_->structure_stale = state_->edited = true;
 }
 
 void SceneGpu::sync(const Scene& scene, const ChangeSet& changes) {
-    state_->scene = &scene;
-    state_->structure_stale |= !changes.materials.empty() || !changes.meshes.empty();
-    state_->textures_stale |= !changes.images.empty() || !changes.textures.empty() || changes.environment;
-    state_->edited |= !changes.empty();
-    state_->placement_stale |= !changes.instances.empty() || !changes.lights.empty() || state_->unsettled;
-    state_->unsettled = false;
+    State& s = *state_;
+    if (s.scene != &scene) return sync(scene);
+    s.materials_stale |= !changes.materials.empty();
+    s.textures_stale |= !changes.images.empty() || !changes.textures.empty() || !changes.materials.empty();  // another one may be drawn
+    s.environment_stale |= changes.environment;
+    s.edited |= !changes.empty();
+    s.anything_stale |= !changes.empty() || s.unsettled;
+    s.unsettled = false;
 }
 
-void SceneGpu::update(Frame& frame) {
+SceneProgress SceneGpu::update(Frame& frame) {
     State& s = *state_;
     PARHELION_CHECK(s.scene != nullptr, "SceneGpu::update() before sync()");
-    if (!s.structure_stale && !s.textures_stale && !s.placement_stale) return;
-    if (s.structure_stale || s.textures_stale) {
-        s.upload_materials(frame);
-        s.upload_environment(frame);
+    Slice slice(s.options.slice_bytes, s.options.slice_triangles);
+    if (!s.tables_running) {
+        if (!s.anything_stale && s.measurements.empty() && !s.moved_by_compaction) return s.progress;
+        s.plan();
+        s.upload_images(frame, slice);
+        s.upload_meshes(frame, slice);
+        s.build_own_bottoms(frame, slice);
+        s.build_driver_bottoms(frame, slice);
+        s.compact_bottoms(frame);
+        s.measure_progress();
+        if (!s.is_resident() || (!s.anything_stale && !s.moved_by_compaction)) return s.progress;
+        s.make_tables();
     }
-    if (s.structure_stale) {
-        s.upload_geometry(frame);
-        // The previous top level points at bottom levels that are no more: the past is the present then.
-        s.tlas[s.parity] = {};
-        s.top_nodes[s.parity] = s.top_items[s.parity] = {};
-    }
-    if (!s.sampler_tables) {
-        std::vector<uint32_t> tables = sampling::sobol_table();
-        const std::vector<uint32_t> tile = sampling::blue_noise_words();
-        tables.insert(tables.end(), tile.begin(), tile.end());
-        s.sampler_tables = s.make_buffer(frame, "sampler_tables", tables);
-    }
-    s.parity ^= 1;
-    s.place_instances(frame);
-    s.place_emitters(frame);
-    s.write_header(frame);
-    s.structure_stale = s.textures_stale = s.placement_stale = false;
-    s.unsettled = s.edited;
-    s.edited = false;
+    if (!upload_rows(frame, slice, s.tables, s.table_rows_done)) return s.progress;
+    s.publish(frame);
+    s.measure_progress();
+    return s.progress;
 }
 
-// The header and set 0 alternate, so that the previous frame may still be in flight.
-void SceneGpu::State::write_header(Frame& frame) {
-    const auto address = [](const gpu::Buffer& buffer) { return buffer ? buffer.address() : 0; };
-    shared::SceneHeader header{};
-    header.instances = address(instance_table);
-    header.geometries = address(geometry_table);
-    header.materials = address(material_table);
-    header.geometry_emitters = address(geometry_emitters);
-    header.emitters = address(emitter_table);
-    header.emitter_table = address(emitter_alias);
-    header.triangle_tables = address(triangle_alias);
-    header.environment_table = address(environment_alias);
-    header.bottom_nodes = address(bottom_nodes);
-    header.bottom_triangles = address(bottom_triangles);
-    header.top_nodes = address(top_nodes[parity]);
-    header.top_items = address(top_items[parity]);
-    header.top_nodes_before = address(top_nodes[1 - parity] ? top_nodes[1 - parity] : top_nodes[parity]);
-    header.top_items_before = address(top_items[1 - parity] ? top_items[1 - parity] : top_items[parity]);
-    header.sobol = address(sampler_tables);
-    header.blue_noise = address(sampler_tables) + sampling::sobol_table().size() * sizeof(uint32_t);
-    header.suns = address(suns);
-    header.sun_count = static_cast<uint32_t>(sun_rows.size());
-    header.emitter_count = static_cast<uint32_t>(emitters.size());
-    header.culling = options.culling ? 1 : 0;
-    header.environment = environment;
+void SceneGpu::finish(Frame& frame) {
+    while (!update(frame).complete) frame.run();
+}
 
-    gpu::Buffer& block = header_buffer[parity];
-    block = gpu::Buffer(device, "scene/header", sizeof(header));
-    frame.upload(block, 0, std::as_bytes(std::span(&header, 1)));
-    gpu::SceneSet& set = sets[parity];
-    set = gpu::SceneSet(device, "scene/set", std::max<uint32_t>(1, static_cast<uint32_t>(textures.size())));
-    set.set_header(block);
-    for (uint32_t slot = 0; slot < textures.size(); ++slot) set.set_texture(slot, textures[slot].first, textures[slot].second);
-    const gpu::AccelStruct& before = tlas[1 - parity] ? tlas[1 - parity] : tlas[parity];
-    if (uses_hardware()) set.set_accel(tlas[parity], before);
+// Another scene has handles of its own: nothing that is here may be found by them. What is drawn now stays until the new is there.
+void SceneGpu::State::begin_anew() {
+    geometry_pool = BufferPool(device, "scene/geometry", options.geometry_buffer_bytes);
+    bottom_nodes = RowArray(device, "scene/bottom_nodes", sizeof(shared::BvhNode));
+    bottom_triangles = RowArray(device, "scene/bottom_triangles", sizeof(shared::BvhTriangle));
+    geometry_rows = FreeRanges(1ull << 32);
+    meshes.clear();
+    measurements.clear();
+    images.clear();
+    environment_image = {};
+    geometries.clear();
+    geometry_table = triangle_alias = {};
+    instances.clear();
+    instance_rows.clear();
+    free_rows.clear();
+    left_rows.clear();
+    tables.clear();
+    next = {};
+    tables_running = moved_by_compaction = unsettled = false;
+    anything_stale = materials_stale = textures_stale = environment_stale = environment_table_stale = edited = has_no_past = true;
+    stats.own_build_seconds = 0;
+}
 
-    binding = {.set = set,
-               .buffers = {block, positions, indices, attributes, geometry_table, material_table, instance_table, emitter_table, emitter_alias, triangle_alias,
-                           geometry_emitters, environment_alias, suns, sampler_tables},
-               .textures = images};
-    for (const gpu::Buffer& buffer : {bottom_nodes, bottom_triangles, top_nodes[0], top_items[0], top_nodes[1], top_items[1]})
-        if (buffer) binding.buffers.push_back(buffer);
-    if (uses_hardware()) {
-        binding.accels = {tlas[parity], before};
-        for (const auto& [handle, mesh] : meshes) binding.accels.push_back(mesh.blas);
+// Nothing is lost by planning again: what has come in is found by its handle.
+void SceneGpu::State::plan() {
+    plan_images();
+    plan_meshes();
+}
+
+// Before there is any picture, the wait for compacted bottom levels costs none.
+bool SceneGpu::State::is_resident() const {
+    if (published == 0 && !measurements.empty()) return false;
+    if (!scene->environment().radiance.empty() && !environment_image.ready) return false;
+    for (const auto& [key, image] : images)
+        if (image.wanted && !image.ready) return false;
+    for (const Handle<Mesh> handle : wanted_meshes) {
+        const MeshOnDevice& mesh = meshes.at(handle);
+        if (!mesh.uploaded || (uses_hardware() && !mesh.blas) || (options.own_bvh && !mesh.own_ready)) return false;
     }
+    return true;
+}
+
+// Bytes are the measure; a bottom level counts like as many as it has, about.
+void SceneGpu::State::measure_progress() {
+    constexpr double kBottomBytes = 64;  // a triangle
+    double done = 0, total = 1;
+    const auto add = [&](double amount, double share) { total += amount, done += amount * share; };
+    for (const auto& [key, image] : images)
+        if (image.wanted) add(double(image.bytes), image.ready ? 1.0 : double(image.done_bytes) / double(std::max<uint64_t>(image.bytes, 1)));
+    for (const Handle<Mesh> handle : wanted_meshes) {
+        const MeshOnDevice& mesh = meshes.at(handle);
+        uint64_t rows = 0;
+        for (const PartOnDevice& part : mesh.parts) rows += 2ull * part.vertex_count + part.triangle_count;
+        add(double(mesh.bytes), mesh.uploaded ? 1.0 : double(mesh.done_rows) / double(std::max<uint64_t>(rows, 1)));
+        if (uses_hardware()) add(kBottomBytes * double(mesh.triangle_count), mesh.blas ? 1 : 0);
+        if (options.own_bvh) add(kBottomBytes * double(mesh.triangle_count), mesh.own_ready ? 1 : mesh.own_host ? 0.8 : 0);
+    }
+    const bool complete = published > 0 && !tables_running && !anything_stale && !moved_by_compaction && measurements.empty();
+    progress = {.drawable = published > 0, .complete = complete, .done = complete ? total : done, .total = total};
 }
 
 }  // namespace parhelion

@@ -1,5 +1,7 @@
 #pragma once
 // The scene on the device: buffers, textures, acceleration structures and light tables, and the passes that keep them current.
+// What a scene needs comes in slices: each update() records a bounded amount of work, and what was there before is drawn until
+// all of the new is there.
 #include <memory>
 #include <string>
 #include <vector>
@@ -14,12 +16,24 @@ struct SceneGpuOptions {
     float infinite_share = 0.5f;   // share of light samples for environment and directional lights where others exist too
     bool hardware = true;          // build the driver's acceleration structures (pipeline, query), where the device has them
     bool own_bvh = true;           // build our own (compute)
+    bool compact = true;           // give back what the driver's bottom levels do not need
+    // What one update() records, about: what cannot be divided (a row of an image, a mesh's bottom level) is done whole.
+    uint64_t slice_bytes = 64ull << 20;      // of uploads; also bounds the scratch memory of builds, at four times as much
+    uint64_t slice_triangles = 1ull << 18;   // whose bottom levels are built
+    uint64_t geometry_buffer_bytes = 256ull << 20;  // geometry shares buffers of this size; a larger array has its own
 };
 
 struct SceneGpuStats {
     uint64_t triangles = 0, instanced_triangles = 0, emissive_triangles = 0;
     uint32_t meshes = 0, instances = 0, materials = 0, textures = 0, emitters = 0;
     double own_build_seconds = 0;  // host time of our bottom levels
+    uint64_t bottom_bytes_built = 0, bottom_bytes = 0;  // the driver's bottom levels as they were built, and as they are now
+};
+
+struct SceneProgress {
+    bool drawable = false;  // binding() shows a scene, the newest or the one before
+    bool complete = false;  // nothing is left to do: binding() shows the scene as it was at the last sync()
+    double done = 0, total = 1;  // work, in bytes of uploads and their like
 };
 
 class SceneGpu {
@@ -32,15 +46,21 @@ public:
 
     // Notes what an edit changed (the result of Scene::apply or begin_frame). The first call takes the whole scene whatever it
     // says. `scene` must outlive the next update(). An interactive program calls this every frame, also when nothing changed: that
-    // is how the previous frame's scene becomes the present one. A change of meshes or materials has no previous frame.
+    // is how the previous frame's scene becomes the present one.
     void sync(const Scene& scene, const ChangeSet& changes);
-    void sync(const Scene& scene);  // everything changed
+    void sync(const Scene& scene);  // another scene, or one whose changes nobody knows: everything is brought in anew
 
-    // Records the uploads and builds that sync() made necessary: the first passes of a frame. Nothing to do: records nothing.
-    void update(Frame& frame);
+    // Records the next slice of the uploads and builds that sync() made necessary: the first passes of a frame. Nothing to do:
+    // records nothing. The pictures do not depend on how the work is cut. Throws Error, naming the limit, for what the device
+    // cannot hold.
+    SceneProgress update(Frame& frame);
+    // Runs frames until the scene is complete, for those who own the loop and need neither progress nor a way to stop.
+    void finish(Frame& frame);
 
-    // Set 0 for the passes of this frame. Valid after update().
+    // Set 0 for the passes of this frame. Valid once update() has said `drawable`.
     const SceneBinding& binding() const;
+    // Grows whenever binding() begins to show another scene: samples of different versions do not belong into one film.
+    uint64_t version() const;
     const SceneGpuStats& stats() const;
 
     struct State;

@@ -1,50 +1,117 @@
 #pragma once
-// What SceneGpu consists of; one file per part. Each upload_... function records its part from the scene as it is.
+// What SceneGpu consists of; one file per part. A scene becomes visible in three steps:
+//   1. residency: what lasts (images, geometry, bottom levels) comes in, slice by slice. It is found by the scene's handles, whose
+//      contents never change, so that an edit brings in only what is new, and work that has begun is never lost.
+//   2. tables: once all is there, rows that refer to it are made from the scene as it is now, and uploaded, again in slices. Edits
+//      of the meantime wait.
+//   3. publish: the top level, the header and set 0. From then on binding() shows it.
+#include <cstring>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include "bvh/bvh.h"
+#include "scene_gpu/ranges.h"
 #include "scene_gpu/scene_gpu.h"
+#include "scene_gpu/slice.h"
 #include "shared/scene.h"
 
 namespace parhelion {
 
-// Where a mesh's geometries lie, and its bottom levels.
+// An image in one of the ways to read it.
+struct ImageOnDevice {
+    gpu::Image image;
+    uint32_t stored_levels = 1;           // the others are made on the device
+    std::vector<uint8_t> unpacked;        // its texels, where the device does not read its blocks; until it is ready
+    uint64_t bytes = 0, done_bytes = 0;   // of the stored levels
+    uint32_t level = 0, row = 0;          // where its upload goes on
+    bool ready = false, wanted = false;
+};
+
+// One geometry (primitive) of a mesh.
+struct PartOnDevice {
+    BufferRange positions, indices, attributes;
+    uint32_t vertex_count = 0, triangle_count = 0;
+};
+
 struct MeshOnDevice {
-    uint32_t geometry_base = 0, geometry_count = 0;
+    std::vector<PartOnDevice> parts;
+    uint32_t geometry_base = 0;  // its rows in the geometry table; they stay
+    uint64_t triangle_count = 0, bytes = 0;
+    uint64_t done_rows = 0;
+    bool uploaded = false, wanted = false;
+    uint64_t drawn_at = 0;  // number of the last published scene that draws it; 0: none does
+
+    // The driver's bottom level, and what it was built for.
     gpu::AccelStruct blas;
-    bool cull_by_flag = false;   // every geometry single-sided: the driver culls
-    uint32_t own_root = 0;       // our bottom level: its entry in the bottom table
+    std::vector<bool> opaque;  // by part: to the driver
+    bool cull_by_flag = false;  // every geometry single-sided: the driver culls
+    uint64_t built_bytes = 0;   // before compaction
+
+    // Ours: its rows in the shared arrays. `own_host` is the tree on its way there.
+    std::unique_ptr<bvh::Bottoms> own_host;
+    shared::BvhNode own_root{};
+    uint64_t own_nodes = 0, own_node_count = 0, own_triangles = 0, own_triangle_count = 0, own_done_rows = 0;
+    bool own_ready = false;
+};
+
+// Bottom levels whose compacted sizes the device is about to tell.
+struct Measurement {
+    gpu::AccelSizes sizes;
+    std::vector<Handle<Mesh>> meshes;
+    std::vector<gpu::AccelStruct> built;  // a mesh may have another by then
+};
+
+struct TopLevel {
+    gpu::AccelStruct tlas;
+    gpu::Buffer nodes, items;            // ours
+    std::vector<gpu::AccelStruct> kept;  // the bottom levels that it points at
 };
 
 struct SceneGpu::State {
     gpu::DevicePtr device;
     SceneGpuOptions options;
     const Scene* scene = nullptr;
-    bool structure_stale = true, textures_stale = true, placement_stale = true;
-    bool edited = true;      // since the last update
-    bool unsettled = false;  // the last update followed an edit: the previous top level is another than the present one
+    State(gpu::DevicePtr the_device, const SceneGpuOptions& the_options);
+
+    // What sync() said since the tables were last made.
+    bool anything_stale = true, materials_stale = true, textures_stale = true, environment_stale = true;
+    bool edited = true;      // by the scene's owner, not by time alone
+    bool tables_edited = false, tables_advance = false;  // what the running tables follow: an edit; an edit or time
+    bool unsettled = false;  // the last publish followed an edit: the previous top level is another than the present one
+    bool moved_by_compaction = false;  // bottom levels that are drawn have gone elsewhere
+    bool environment_table_stale = true;  // its image is taken care of, its row and its light table are not
+    bool has_no_past = true;  // the scene has never been published: its previous frame is the present one
+    bool tables_running = false;       // step 2 has begun and waits for slices
+    uint64_t published = 0, version = 0;
+    SceneProgress progress;
 
     // geometry.cpp
-    std::vector<shared::Geometry> geometries;
     std::unordered_map<Handle<Mesh>, MeshOnDevice> meshes;
-    gpu::Buffer positions, indices, attributes, geometry_table;
-    bvh::Bottoms bottoms;
-    gpu::Buffer bottom_nodes, bottom_triangles;
+    std::vector<Handle<Mesh>> wanted_meshes;  // in the scene's order
+    BufferPool geometry_pool;
+    FreeRanges geometry_rows{1ull << 32};
+    std::vector<shared::Geometry> geometries;
+    gpu::Buffer geometry_table;
+    // bottoms.cpp
+    RowArray bottom_nodes, bottom_triangles;
+    std::vector<Measurement> measurements;
     // materials.cpp
-    std::unordered_map<Handle<Material>, uint32_t> material_rows;
-    std::vector<shared::Material> materials;
-    gpu::Buffer material_table;
-    std::vector<gpu::Image> images;
-    std::vector<std::pair<gpu::Image, gpu::Sampler>> textures;  // by slot of the texture table
+    std::unordered_map<uint64_t, ImageOnDevice> images;  // by image_key()
+    std::unordered_set<Handle<Texture>> drawn_textures;  // textures that shaders read; the others stay on the host
+    std::vector<shared::Material> materials;        // by index of the handle
+    std::vector<shared::TextureEntry> texture_rows;  // by index of the handle
+    gpu::Buffer material_table, texture_table;
+    std::vector<std::pair<gpu::Image, gpu::Sampler>> slots;  // of set 0; the environment's is the last
     // lights.cpp
     std::vector<shared::Emitter> emitters;
     gpu::Buffer emitter_table, emitter_alias, triangle_alias, geometry_emitters, environment_alias, suns;
     std::vector<uint32_t> sun_rows;
     std::unordered_map<uint32_t, uint32_t> triangle_table_of_geometry;  // geometry row -> offset in triangle_alias
-    std::vector<shared::AliasEntry> triangle_rows;
+    std::vector<std::pair<Handle<Mesh>, uint32_t>> emissive_parts;      // whose tables triangle_alias holds
     shared::Environment environment{};
     float environment_flux = 0;
+    ImageOnDevice environment_image;
     // instances.cpp
     std::vector<shared::Instance> instances;
     std::vector<uint32_t> geometry_emitter_rows;
@@ -52,32 +119,65 @@ struct SceneGpu::State {
     std::unordered_map<Handle<Instance>, uint32_t> instance_rows;
     std::vector<uint32_t> free_rows, left_rows;  // free now; left by this frame's edit, still seen by the previous top level
     gpu::Buffer instance_table, tlas_instances;
-    gpu::AccelStruct tlas[2];
-    gpu::Buffer top_nodes[2], top_items[2];
-    // scene_gpu.cpp
+    uint32_t tlas_count = 0;
+    TopLevel next, now, before;
+    // tables.cpp
+    std::vector<RowSource> tables;
+    uint64_t table_rows_done = 0;
     gpu::Buffer sampler_tables;
-    gpu::Buffer header_buffer[2];
-    gpu::SceneSet sets[2];
-    uint32_t parity = 0;
     SceneBinding binding;
     SceneGpuStats stats;
 
     bool uses_hardware() const { return options.hardware && (device->caps().ray_pipeline || device->caps().ray_query); }
 
-    void upload_materials(Frame& frame);
-    void upload_environment(Frame& frame);
-    void upload_geometry(Frame& frame);
-    void upload_triangle_tables(Frame& frame);
-    void assign_instance_rows();
-    void place_instances(Frame& frame);  // instance rows, driver's and our top level
-    void place_emitters(Frame& frame);   // the top of the light table
-    void write_header(Frame& frame);
+    void begin_anew();
 
-    // A buffer of at least one element with these contents, uploaded by the frame.
+    // Step 1. plan() says what the scene needs; the others bring in what is missing, as far as the slice goes.
+    void plan();
+    void plan_images();
+    void plan_meshes();
+    void upload_images(Frame& frame, Slice& slice);
+    void upload_meshes(Frame& frame, Slice& slice);
+    void build_own_bottoms(Frame& frame, Slice& slice);
+    void build_driver_bottoms(Frame& frame, Slice& slice);
+    void compact_bottoms(Frame& frame);
+    bool is_resident() const;
+    void measure_progress();
+
+    // Step 2.
+    void make_tables();
+    void make_sampler_tables();
+    void make_materials();
+    void make_textures();
+    void make_geometries();
+    void make_environment();
+    void make_triangle_tables();
+    void assign_instance_rows();
+    void place_instances();  // instance rows, driver's and our top level
+    void place_emitters();   // the top of the light table
+
+    // Step 3.
+    void publish(Frame& frame);
+    void write_header(Frame& frame);
+    void forget_unwanted();
+    void forget_meshes(const std::function<bool(const MeshOnDevice&)>& choose);
+
+    RowSource own_node_rows(const MeshOnDevice& mesh) const;
+    RowSource own_triangle_rows(const MeshOnDevice& mesh) const;
+
+    // A buffer of at least one element whose contents are uploaded with the tables. The rows must not change before that is done.
     template <class T>
-    gpu::Buffer make_buffer(Frame& frame, std::string name, const std::vector<T>& rows) {
+    gpu::Buffer make_table(std::string name, std::span<const T> rows) {
         gpu::Buffer buffer(device, "scene/" + std::move(name), std::max<uint64_t>(rows.size(), 1) * sizeof(T));
-        frame.upload(buffer, 0, std::as_bytes(std::span(rows)));
+        tables.push_back({buffer, 0, sizeof(T), rows.size(), [rows](std::byte* to, uint64_t first, uint64_t count) { std::memcpy(to, rows.data() + first, count * sizeof(T)); }});
+        return buffer;
+    }
+    // The same with rows that nobody else needs.
+    template <class T>
+    gpu::Buffer make_table(std::string name, std::vector<T>&& rows) {
+        const auto kept = std::make_shared<const std::vector<T>>(std::move(rows));
+        const gpu::Buffer buffer = make_table(std::move(name), std::span<const T>(*kept));
+        tables.back().write = [kept](std::byte* to, uint64_t first, uint64_t count) { std::memcpy(to, kept->data() + first, count * sizeof(T)); };
         return buffer;
     }
 };

@@ -63,13 +63,17 @@ public:
         load();
         open_device();
         set_up();
-        resume();
-        try {
-            render();
-        } catch (const Error& error) {
-            rethrow_with_checkpoint(error);
+        if (is_interrupted()) {
+            log_finished();
+        } else {
+            resume();
+            try {
+                render();
+            } catch (const Error& error) {
+                rethrow_with_checkpoint(error);
+            }
+            write_outputs();
         }
-        write_outputs();
         finish_report();
         return std::move(report_);
     }
@@ -78,18 +82,20 @@ public:
         load();
         open_device();
         set_up();
-        return measure_trace_share(device_, *scene_gpu_, way_, *view_);
+        return is_interrupted() ? TraceShare{} : measure_trace_share(device_, *scene_gpu_, way_, *view_);
     }
 
 private:
     void load();
     void open_device();
     void set_up();
+    bool bring_in_scene();
     ViewDesc describe_view(const CameraView& camera) const;
     void resume();
     void render();
     [[noreturn]] void rethrow_with_checkpoint(const Error& error) const;
     bool should_stop();
+    bool is_interrupted() const { return report_.interrupt != platform::Interrupt::None; }
     void show_progress(Progress& progress);
     void save_checkpoint();
     image::FilmSums sums_of(FilmReadback film, uint64_t end) const;
@@ -148,6 +154,7 @@ ViewDesc Job::describe_view(const CameraView& camera) const {
             .filter = options_.point_filter ? PixelFilter::Point : PixelFilter::Box,
             .roulette_start = settings_.roulette_start,
             .light_sampling = static_cast<uint32_t>(settings_.light_sampling),
+            .texture_lod = settings_.texture_lod,
             .aovs = options_.aovs};
 }
 
@@ -160,19 +167,37 @@ void Job::set_up() {
                                                                      .hardware = hardware,
                                                                      .own_bvh = !hardware});
     scene_gpu_->sync(loaded_.scene);
-    scene_gpu_->update(*frame_);
+    if (!bring_in_scene()) return;
     const ViewDesc desc = describe_view(camera_);
     view_ = std::make_unique<View>(device_, desc);
     view_->prepare(*frame_);
     frame_->run();
     add_times(report_.passes, *frame_);
-    if (options_.list_frame) report_.listing = "set-up\n" + frame_->listing(true);
+    if (options_.list_frame) report_.listing += "set-up\n" + frame_->listing(true);
     report_.lights = scene_gpu_->stats().emitters;
     report_.exposure_metered = !options_.exposure_ev;
     report_.exposure_ev = options_.exposure_ev ? *options_.exposure_ev : meter_scene(device_, *frame_, *scene_gpu_, way_, desc);
     log(LogLevel::Info, "exposure EV100 {:.2f}{}", report_.exposure_ev, report_.exposure_metered ? ", metered from the scene" : "");
     report_.settings_hash = hash_render(loaded_.scene, desc, settings_);
     report_.setup_seconds = seconds_since(begin);
+}
+
+// False: interrupted.
+bool Job::bring_in_scene() {
+    Progress progress("bringing the scene to the device", 1);
+    while (true) {
+        const SceneProgress state = scene_gpu_->update(*frame_);
+        progress.update(state.done / state.total, fmt::format("{:.0f} MB", state.done / 1e6));
+        if (state.complete) break;
+        frame_->run();
+        add_times(report_.passes, *frame_);
+        if (options_.list_frame) report_.listing += "scene\n" + frame_->listing(true) + "\n";
+        report_.interrupt = platform::interrupt_requested();
+        if (is_interrupted()) return false;
+    }
+    report_.bottom_bytes_built = scene_gpu_->stats().bottom_bytes_built;
+    report_.bottom_bytes = scene_gpu_->stats().bottom_bytes;
+    return true;
 }
 
 void Job::resume() {
@@ -304,8 +329,9 @@ void Job::log_finished() const {
 
 void Job::finish_report() {
     report_.max_bounces = options_.max_bounces;
-    report_.rays = view_->read_rays(*frame_);
+    if (view_) report_.rays = view_->read_rays(*frame_);
     report_.memory = device_->memory_use();
+    report_.peak_device_bytes = device_->peak_memory_bytes();
     report_.peak_host_bytes = platform::peak_resident_bytes();
     if (const uint64_t count = options_.validate ? device_->validation_message_count() : 0; count != 0)
         throw Error(ErrorCode::Failed, fmt::format("the validation layers reported {} messages", count), "--validate",

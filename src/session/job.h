@@ -37,7 +37,8 @@ struct RenderReport {
     std::vector<PassTime> passes;
     RayCounts rays;  // of this run, metering apart
     std::vector<gpu::MemoryUse> memory;
-    uint64_t peak_host_bytes = 0;
+    uint64_t peak_host_bytes = 0, peak_device_bytes = 0;
+    uint64_t bottom_bytes_built = 0, bottom_bytes = 0;  // the driver's bottom levels before and after compaction
     platform::Interrupt interrupt = platform::Interrupt::None;
     bool out_of_time = false;
     std::vector<std::filesystem::path> written;

@@ -22,7 +22,7 @@ double metered_ev(std::span<const float> luminances) {
     return std::clamp(std::round((average + std::log2(kIso / kMeter)) * 100) / 100, -32.0, 32.0);
 }
 
-double meter_scene(const gpu::DevicePtr& device, Frame& frame, SceneGpu& scene, gpu::TraceWay way, const ViewDesc& view) {
+double meter_scene(const gpu::DevicePtr& device, Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const ViewDesc& view) {
     constexpr double kPixels = 2304;
     constexpr uint32_t kSamples = 16;
     const double aspect = double(view.width) / view.height;

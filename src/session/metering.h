@@ -13,6 +13,6 @@ double metered_ev(std::span<const float> luminances);
 
 // Renders the probe: the view's camera at about 2300 pixels and 16 samples, seed 0. The result does not depend on the view's size
 // (its aspect aside), seed or samples.
-double meter_scene(const gpu::DevicePtr& device, Frame& frame, SceneGpu& scene, gpu::TraceWay way, const ViewDesc& view);
+double meter_scene(const gpu::DevicePtr& device, Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const ViewDesc& view);
 
 }  // namespace parhelion

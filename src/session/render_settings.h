@@ -16,6 +16,7 @@ struct RenderSettings {
     Culling culling = Culling::Gltf;
     float infinite_share = 0.5f;
     float sun_elevation = 40.0f, sun_azimuth = 45.0f;  // degrees
+    TextureLod texture_lod = TextureLod::Full;
 };
 
 template <class V>
@@ -28,6 +29,8 @@ void visit(V&& v, RenderSettings& s) {
     v.field("scene.culling", s.culling, choices({"none", "gltf"}), "gltf: single-sided surfaces are invisible from behind");
     v.field("light.infinite_share", s.infinite_share, range(0, 1),
             "share of light samples for sky and directional lights where other lights exist too");
+    v.field("texture.lod", s.texture_lod, choices({"full", "cone"}),
+            "how finely textures are read: full resolution, or as finely as a pixel sees them (ray cones)");
     v.field("sky.sun_elevation", s.sun_elevation, range(-18, 90), "degrees of the clear sky's sun above the horizon");
     v.field("sky.sun_azimuth", s.sun_azimuth, range(-360, 360), "degrees of the clear sky's sun from +Z towards +X");
 }

@@ -1,4 +1,5 @@
 // The GPU layer on a real device: resources, programs, both hardware ways to trace, timers, errors.
+#include <utility>
 #include <cstring>
 
 #include "gpu/internal.h"
@@ -222,7 +223,28 @@ class GpuTrace : public GpuTest {
 protected:
     static constexpr uint32_t kWidth = 64, kHeight = 16;
 
-    void build() {
+    // Replaces the bottom levels by compacted copies.
+    void compact() {
+        const AccelSizes sizes(device(), 2);
+        CommandList measure(device());
+        measure.measure_blas(std::vector{solid_, holes_}, sizes);
+        ASSERT_TRUE(wait(device(), submit(device(), std::move(measure))));
+        const std::vector<uint64_t> bytes = sizes.read();
+        ASSERT_EQ(bytes.size(), 2u);
+        CommandList copy(device());
+        AccelStruct* const built[] = {&solid_, &holes_};
+        std::vector<AccelStruct> kept;
+        for (size_t i = 0; i < 2; ++i) {
+            EXPECT_GT(bytes[i], 0u);
+            EXPECT_LE(bytes[i], built[i]->bytes());
+            const AccelStruct small = AccelStruct::compacted(device(), "test/compacted", bytes[i]);
+            copy.compact_blas(*built[i], small);
+            kept.push_back(std::exchange(*built[i], small));
+        }
+        ASSERT_TRUE(wait(device(), submit(device(), std::move(copy))));
+    }
+
+    void build(bool compacted) {
         const std::vector<float> corners{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
         const Buffer positions = mapped_buffer(device(), corners), indices = mapped_buffer(device(), std::vector<uint32_t>{0, 1, 2, 1, 3, 2});
         const BlasGeometry solid{positions.address(), 4, indices.address(), 2, true};
@@ -231,16 +253,18 @@ protected:
         solid_ = AccelStruct::bottom(device(), "test/solid", {&solid, 1});
         holes_ = AccelStruct::bottom(device(), "test/holes", {&holes, 1});
         top_ = AccelStruct::top(device(), "test/top", 8);
+        const Buffer scratch(device(), "test/scratch", solid_.scratch_bytes() + holes_.scratch_bytes() + top_.scratch_bytes());
+        CommandList bottoms(device());
+        const BlasBuild both[] = {{solid_, {solid}}, {holes_, {holes}}};
+        bottoms.build_blas(both, scratch);
+        ASSERT_TRUE(wait(device(), submit(device(), std::move(bottoms))));
+        if (compacted) compact();
         std::vector<TlasInstance> instances;
         for (uint32_t i = 0; i < 4; ++i)
             if (i != 2) instances.push_back({{0.25f, 0, 0, 0.25f * float(i), 0, 1, 0, 0, 0, 0, 1, 0}, i | 0xFFu << 24, kInstanceDisableCulling << 24, (i == 3 ? holes_ : solid_).address()});
         const Buffer list = mapped_buffer(device(), instances);
-        const Buffer scratch(device(), "test/scratch", solid_.scratch_bytes() + holes_.scratch_bytes() + top_.scratch_bytes());
         CommandList commands(device());
-        commands.build_blas(solid_, {&solid, 1}, scratch, 0);
-        commands.build_blas(holes_, {&holes, 1}, scratch, solid_.scratch_bytes());
-        commands.barrier({{Use::BuildWrite, Use::BuildScratch}, {Use::BuildRead, Use::BuildScratch}});
-        commands.build_tlas(top_, list, 0, static_cast<uint32_t>(instances.size()), scratch, solid_.scratch_bytes() + holes_.scratch_bytes());
+        commands.build_tlas(top_, list, 0, static_cast<uint32_t>(instances.size()), scratch, 0);
         EXPECT_THROW(commands.build_tlas(top_, list, 0, 9, scratch, 0), Error);
         ASSERT_TRUE(wait(device(), submit(device(), std::move(commands))));
     }
@@ -254,8 +278,8 @@ protected:
         return {static_cast<int>(instance) * 100 + triangle, 0};
     }
 
-    void trace(bool ray_tracing, bool indirect) {
-        build();
+    void trace(bool ray_tracing, bool indirect, bool compacted = false) {
+        ASSERT_NO_FATAL_FAILURE(build(compacted));
         SceneSet set(device(), "test/scene", 0);
         set.set_accel(top_, top_);
         const Buffer hits(device(), "test/hits", kWidth * kHeight * 8, MemoryKind::Readback);
@@ -306,6 +330,12 @@ TEST_F(GpuTrace, indirect_ray_queries_find_the_triangles) {
 TEST_F(GpuTrace, a_ray_tracing_pipeline_finds_the_triangles) {
     PARHELION_REQUIRE_WAY(TraceWay::Pipeline);
     trace(true, false);
+}
+
+TEST_F(GpuTrace, compacted_bottom_levels_hold_the_same_triangles) {
+    const bool query = device()->caps().ray_query;
+    PARHELION_REQUIRE_WAY(query ? TraceWay::Query : TraceWay::Pipeline);
+    trace(!query, false, true);
 }
 
 TEST_F(GpuTrace, an_indirect_ray_tracing_pipeline_finds_the_triangles) {

@@ -30,7 +30,7 @@ TEST_F(FrameListing, the_reference_records_the_passes_that_are_written_down) {
         const bool hardware = way != gpu::TraceWay::Compute;
         Stage stage(make_builtin("builtin:cornell").scene, {.hardware = hardware, .own_bvh = !hardware});
         stage.record({.way = way, .view = {.width = 64, .height = 64}, .sample_count = 64});
-        expect_file(golden_name(way), stage.frame.listing());
+        expect_file(golden_name(way), stage.listings_before + stage.frame.listing());
     }
 }
 
@@ -39,8 +39,8 @@ TEST_F(FrameListing, the_document_is_made_from_the_listings) {
         "# Frame listings\n\n"
         "What `parhelion render builtin:cornell --list-frame` records: every pass with what it reads and writes. Made from\n"
         "`tests/golden/` by the test `golden` (`PARHELION_UPDATE_GOLDEN=1` rewrites it).\n\n"
-        "The first frame of a scene uploads it and builds what its way to trace needs; the last rows, from `view/data` on, are all\n"
-        "that a slice of work consists of afterwards.\n";
+        "The first frames of a scene bring it in, in slices, and build what its way to trace needs (here one slice, and one to compact\n"
+        "the driver's bottom levels); the last rows, from `view/data` on, are all that a slice of work consists of afterwards.\n";
     for (const gpu::TraceWay way : kWays) {
         const std::string name(gpu::trace_way_name(way));
         text += "\n## reference, --trace " + name + "\n\n```\n" + read(golden_name(way)) + "```\n";

@@ -63,7 +63,7 @@ TEST_F(Samples, each_barrier_of_the_renderer_left_out_draws_a_complaint) {
         Shot one = shot(0, 1);
         one.way = way;
         const auto complaints = [&](int skipped, uint32_t& barriers) {
-            Stage stage(make_builtin("builtin:textured").scene, {.hardware = hardware, .own_bvh = !hardware}, {.skip_barrier = skipped}, quiet);
+            Stage stage(make_builtin("builtin:textured").scene, {.hardware = hardware, .own_bvh = !hardware, .compact = false}, {.skip_barrier = skipped}, quiet);
             stage.record(one);
             barriers = stage.frame.barrier_count();
             return stage.frame.complaints().size();

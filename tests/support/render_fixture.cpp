@@ -25,6 +25,7 @@ View Stage::make_view(const Shot& shot) const {
 
 image::FilmSums Stage::render(const Shot& shot) {
     View view = make_view(shot);
+    scene_gpu.finish(frame);
     const uint32_t end = shot.first_sample + shot.sample_count, height = shot.view.height;
     for (uint32_t sample = shot.first_sample; sample < end;) {
         const uint32_t block_end = (sample / shared::kSamplesPerBlock + 1) * shared::kSamplesPerBlock;
@@ -40,6 +41,11 @@ image::FilmSums Stage::render(const Shot& shot) {
 
 void Stage::record(const Shot& shot) {
     View view = make_view(shot);
+    listings_before.clear();
+    while (!scene_gpu.update(frame).complete) {
+        frame.run();
+        listings_before += frame.listing() + "\n";
+    }
     record_reference(frame, scene_gpu, shot.way, view, {0, shot.view.height, shot.first_sample, shot.sample_count}, true);
     gpu::CommandList commands(frame.device());
     frame.retire(frame.record(commands));

@@ -33,11 +33,15 @@ public:
     // Draws the shot in slices and reads its exact sums.
     image::FilmSums render(const Shot& shot);
     image::ImageF picture(const Shot& shot) { return image::resolve_film(render(shot)); }
-    // Records the shot's first slice with everything before it (scene, film) as one frame, unsubmitted.
+    // Records the shot's first slice with everything before it (scene, film), unsubmitted; slices of the scene that must be done before
+    // are submitted.
     void record(const Shot& shot);
 
     // A new frame with this edit, told to the device side in one go, as a viewer does.
     ChangeSet step(SceneEdit edit);
+
+    // The listings of the frames that the last record() submitted.
+    std::string listings_before;
 
     Scene scene;
     Frame frame;

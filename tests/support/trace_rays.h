@@ -24,7 +24,7 @@ inline std::vector<TestFound> trace_rays(Stage& stage, gpu::TraceWay way, const 
     Frame& frame = stage.frame;
     const gpu::Buffer input(frame.device(), "test/rays", rays.size() * sizeof(TestRay)), output(frame.device(), "test/found", rays.size() * sizeof(TestFound));
     frame.upload(input, 0, std::as_bytes(std::span(rays)));
-    stage.scene_gpu.update(frame);
+    stage.scene_gpu.finish(frame);
     frame.trace("device/visible", way).scene(stage.scene_gpu.binding()).read("rays", input).write("found", output).push(Push{.count = static_cast<uint32_t>(rays.size())}).over(static_cast<uint32_t>(rays.size()));
     const gpu::Buffer copy = frame.read_back(output);
     frame.run();

@@ -11,6 +11,7 @@ layout(set = 1, binding = 0, scalar) buffer AllStructs {
     Affine affine[2];
     Instance instance[2];
     VertexAttributes vertex_attributes[2];
+    TextureEntry texture_entry[2];
     TextureRef texture_ref[2];
     Material material[2];
     Emitter emitter[2];

@@ -16,6 +16,7 @@ struct LayoutStructs {
     Affine affine[2];
     Instance instance[2];
     VertexAttributes vertex_attributes[2];
+    TextureEntry texture_entry[2];
     TextureRef texture_ref[2];
     Material material[2];
     Emitter emitter[2];
@@ -50,6 +51,7 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Geometry) v) {
     F(positions) F(indices) F(attributes) F(triangle_count) F(vertex_count) F(material) F(flags) F(triangle_table)
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(VertexAttributes) v) { F(normal) F(tangent) F(uv0) F(uv1) F(color) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(TextureEntry) v) { F(slot) F(width) F(height) F(level_count) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(TextureRef) v) { F(texture) F(uv_set) F(row0) F(row1) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Material) v) {
     F(base_color) F(emission) F(metallic) F(roughness) F(normal_scale) F(alpha_cutoff) F(ior) F(transmission) F(specular) F(specular_color) F(flags)
@@ -63,7 +65,7 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Environment) v) {
     F(scale) F(texture) F(rotation_sin) F(rotation_cos) F(table_width) F(table_height) F(emitter)
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(SceneHeader) v) {
-    F(instances) F(geometries) F(materials) F(geometry_emitters) F(emitters) F(emitter_table) F(triangle_tables) F(environment_table)
+    F(instances) F(geometries) F(materials) F(textures) F(geometry_emitters) F(emitters) F(emitter_table) F(triangle_tables) F(environment_table)
     F(bottom_nodes) F(bottom_triangles) F(top_nodes) F(top_items) F(top_nodes_before) F(top_items_before) F(sobol) F(blue_noise)
     F(suns) F(emitter_count) F(sun_count) F(culling) F(environment)
 }
@@ -71,6 +73,7 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Hit) v) { F(instance_bits
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Camera) v) { F(position_ws) F(right_ws) F(up_ws) F(forward_ws) F(orthographic) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(ViewData) v) {
     F(camera) F(camera_before) F(width) F(height) F(seed) F(sampler_kind) F(max_bounces) F(pixel_filter) F(roulette_start) F(light_sampling)
+    F(texture_lod) F(pixel_width) F(pixel_spread)
     for (uint i = 0u; i < kFilmGroupCount; ++i) F(channel[i])
     F(channel_count)
 }

@@ -1,0 +1,151 @@
+// The bottom levels of both kinds of acceleration structure: built mesh by mesh once the geometry is there, the driver's then
+// compacted.
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+
+#include "base/error.h"
+#include "scene_gpu/state.h"
+
+namespace parhelion {
+
+namespace {
+
+struct DriverFlags {
+    std::vector<bool> opaque;  // by part
+    bool cull_by_flag = false;
+};
+
+// The driver culls by a flag of the whole instance. A mesh that mixes single- and double-sided geometries is not culled by it;
+// any-hit does it there, so its single-sided geometries are not opaque to the driver.
+DriverFlags driver_flags(const Scene& scene, const Mesh& mesh, bool culling) {
+    const auto material = [&](const Primitive& p) -> const Material& { return scene.get(p.material); };
+    DriverFlags flags;
+    flags.cull_by_flag = culling && std::ranges::none_of(mesh.primitives, [&](const Primitive& p) { return material(p).double_sided; });
+    const bool any_hit_culls = culling && !flags.cull_by_flag;
+    for (const Primitive& p : mesh.primitives) flags.opaque.push_back(material(p).alpha_mode == AlphaMode::Opaque && !(any_hit_culls && !material(p).double_sided));
+    return flags;
+}
+
+}  // namespace
+
+// ---- ours ----
+
+// A tree is built with numbers of its own; where it is copied to, they become those of the shared arrays.
+RowSource SceneGpu::State::own_node_rows(const MeshOnDevice& mesh) const {
+    const auto first_node = static_cast<uint32_t>(mesh.own_nodes), first_triangle = static_cast<uint32_t>(mesh.own_triangles);
+    return {bottom_nodes.buffer(), mesh.own_nodes * sizeof(shared::BvhNode), sizeof(shared::BvhNode), mesh.own_node_count,
+            [&tree = *mesh.own_host, first_node, first_triangle](std::byte* to, uint64_t first, uint64_t count) {
+                for (uint64_t i = 0; i < count; ++i) {
+                    shared::BvhNode node = tree.nodes[first + i];
+                    for (int c = 0; c < 4; ++c)
+                        if (node.child[c] != shared::kBvhEmpty) node.child[c] += (node.child[c] & shared::kBvhLeaf) != 0 ? first_triangle : first_node;
+                    std::memcpy(to + i * sizeof(node), &node, sizeof(node));
+                }
+            }};
+}
+
+RowSource SceneGpu::State::own_triangle_rows(const MeshOnDevice& mesh) const {
+    return {bottom_triangles.buffer(), mesh.own_triangles * sizeof(shared::BvhTriangle), sizeof(shared::BvhTriangle), mesh.own_triangle_count,
+            [&tree = *mesh.own_host](std::byte* to, uint64_t first, uint64_t count) { std::memcpy(to, tree.triangles.data() + first, count * sizeof(shared::BvhTriangle)); }};
+}
+
+// One tree at a time is on the host.
+void SceneGpu::State::build_own_bottoms(Frame& frame, Slice& slice) {
+    if (!options.own_bvh) return;
+    for (const Handle<Mesh> handle : wanted_meshes) {
+        MeshOnDevice& mesh = meshes.at(handle);
+        if (mesh.own_ready) continue;
+        if (!mesh.own_host) {
+            if (!slice.has_triangles() || !slice.has_bytes()) return;
+            const auto start = std::chrono::steady_clock::now();
+            std::vector<bvh::BottomGeometry> geometries_of_mesh;
+            for (const Primitive& p : scene->get(handle).primitives) geometries_of_mesh.push_back({p.positions, p.triangles});
+            mesh.own_host = std::make_unique<bvh::Bottoms>();
+            bvh::add_bottom(*mesh.own_host, geometries_of_mesh);
+            stats.own_build_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+            slice.take_triangles(mesh.triangle_count);
+            mesh.own_node_count = mesh.own_host->nodes.size();
+            mesh.own_triangle_count = mesh.own_host->triangles.size();
+            mesh.own_nodes = bottom_nodes.take(frame, mesh.own_node_count);
+            mesh.own_triangles = bottom_triangles.take(frame, mesh.own_triangle_count);
+            if (mesh.own_nodes + mesh.own_node_count > shared::kBvhItemMask || mesh.own_triangles + mesh.own_triangle_count > shared::kBvhItemMask)
+                throw Error(ErrorCode::Failed, "the scene has more than 2^31 triangles", "own BVH", "trace by pipeline or query");
+            mesh.own_root = mesh.own_host->nodes[mesh.own_host->roots.front()];
+        }
+        const RowSource rows[] = {own_node_rows(mesh), own_triangle_rows(mesh)};
+        if (!upload_rows(frame, slice, rows, mesh.own_done_rows)) return;
+        mesh.own_host.reset();
+        mesh.own_ready = true;
+    }
+}
+
+// ---- the driver's ----
+
+void SceneGpu::State::build_driver_bottoms(Frame& frame, Slice& slice) {
+    if (!uses_hardware()) return;
+    std::vector<gpu::BlasBuild> builds;
+    std::vector<gpu::AccelStruct> blases;
+    Measurement measurement;
+    uint64_t scratch = 0;
+    for (const Handle<Mesh> handle : wanted_meshes) {
+        MeshOnDevice& mesh = meshes.at(handle);
+        if (!mesh.uploaded) continue;
+        DriverFlags flags = driver_flags(*scene, scene->get(handle), options.culling);
+        if (mesh.blas && mesh.opaque == flags.opaque) {
+            mesh.cull_by_flag = flags.cull_by_flag;
+            continue;
+        }
+        mesh.blas = {};
+        if (!slice.has_triangles() || scratch > 4 * options.slice_bytes) continue;
+        gpu::BlasBuild build;
+        for (size_t i = 0; i < mesh.parts.size(); ++i)
+            build.geometries.push_back({.positions = mesh.parts[i].positions.address(),
+                                        .vertex_count = mesh.parts[i].vertex_count,
+                                        .indices = mesh.parts[i].indices.address(),
+                                        .triangle_count = mesh.parts[i].triangle_count,
+                                        .opaque = flags.opaque[i]});
+        build.blas = mesh.blas = gpu::AccelStruct::bottom(device, "accel/bottom", build.geometries);
+        mesh.opaque = std::move(flags.opaque);
+        mesh.cull_by_flag = flags.cull_by_flag;
+        mesh.built_bytes = mesh.blas.bytes();
+        scratch += mesh.blas.scratch_bytes();
+        slice.take_triangles(mesh.triangle_count);
+        blases.push_back(mesh.blas);
+        measurement.meshes.push_back(handle);
+        builds.push_back(std::move(build));
+    }
+    if (builds.empty()) return;
+    frame.build_blas(std::move(builds), geometry_pool.buffers());
+    if (!options.compact) return;
+    measurement.sizes = gpu::AccelSizes(device, static_cast<uint32_t>(blases.size()));
+    measurement.built = blases;
+    frame.measure_blas(std::move(blases), measurement.sizes);
+    measurements.push_back(std::move(measurement));
+}
+
+// The frame that asked for the sizes is done when it no longer holds what they are written to.
+void SceneGpu::State::compact_bottoms(Frame& frame) {
+    std::erase_if(measurements, [&](const Measurement& measurement) {
+        if (measurement.sizes.data().use_count() > 1) return false;
+        const std::vector<uint64_t> bytes = measurement.sizes.read();
+        for (size_t i = 0; i < bytes.size(); ++i) {
+            const auto mesh = meshes.find(measurement.meshes[i]);
+            const gpu::AccelStruct& built = measurement.built[i];
+            if (mesh == meshes.end() || mesh->second.blas.id() != built.id() || bytes[i] == 0 || bytes[i] >= built.bytes()) continue;
+            mesh->second.blas = gpu::AccelStruct::compacted(device, "accel/bottom", bytes[i]);
+            frame.compact_blas(built, mesh->second.blas);
+            moved_by_compaction |= mesh->second.drawn_at != 0;
+        }
+        return true;
+    });
+    stats.bottom_bytes_built = stats.bottom_bytes = 0;
+    for (const Handle<Mesh> handle : wanted_meshes) {
+        const MeshOnDevice& mesh = meshes.at(handle);
+        if (!mesh.blas) continue;
+        stats.bottom_bytes_built += mesh.built_bytes;
+        stats.bottom_bytes += mesh.blas.bytes();
+    }
+}
+
+}  // namespace parhelion

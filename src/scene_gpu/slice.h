@@ -1,0 +1,34 @@
+#pragma once
+// The work of one update(), and uploads that are cut to it.
+#include <functional>
+#include <span>
+
+#include "frame/frame.h"
+
+namespace parhelion {
+
+// What is left of one update().
+class Slice {
+public:
+    Slice(uint64_t bytes, uint64_t triangles) : bytes_(bytes), triangles_(triangles) {}
+    uint64_t bytes() const { return bytes_; }
+    bool has_bytes() const { return bytes_ > 0; }
+    bool has_triangles() const { return triangles_ > 0; }
+    void take_bytes(uint64_t bytes) { bytes_ -= std::min(bytes, bytes_); }
+    void take_triangles(uint64_t triangles) { triangles_ -= std::min(triangles, triangles_); }
+
+private:
+    uint64_t bytes_, triangles_;
+};
+
+// An array on its way to the device: rows are made where they are copied from, so that no second array exists on the host.
+struct RowSource {
+    gpu::Buffer to;
+    uint64_t offset = 0, row_bytes = 0, rows = 0;
+    std::function<void(std::byte* to, uint64_t first, uint64_t count)> write;
+};
+
+// Uploads the sources' rows, one source after the other, from row number `done` of them all on, which it moves on. True: all are up.
+bool upload_rows(Frame& frame, Slice& slice, std::span<const RowSource> sources, uint64_t& done);
+
+}  // namespace parhelion

@@ -1,0 +1,104 @@
+// The second and third step: rows that refer to what is on the device, and the moment in which they become the scene.
+#include "base/error.h"
+#include "sampling/blue_noise.h"
+#include "sampling/sobol.h"
+#include "scene_gpu/state.h"
+
+namespace parhelion {
+
+// The scene as it is now. What is unchanged stays where it is.
+void SceneGpu::State::make_tables() {
+    make_sampler_tables();
+    make_materials();
+    make_environment();
+    make_textures();
+    make_triangle_tables();
+    make_geometries();
+    place_instances();
+    place_emitters();
+    table_rows_done = 0;
+    tables_running = true;
+    tables_edited = edited;
+    tables_advance = anything_stale;
+    anything_stale = materials_stale = textures_stale = environment_table_stale = edited = moved_by_compaction = false;
+}
+
+void SceneGpu::State::make_sampler_tables() {
+    if (sampler_tables) return;
+    std::vector<uint32_t> rows = sampling::sobol_table();
+    const std::vector<uint32_t> tile = sampling::blue_noise_words();
+    rows.insert(rows.end(), tile.begin(), tile.end());
+    sampler_tables = make_table("sampler_tables", std::move(rows));
+}
+
+// Time goes on with an edit, and when nothing follows one: then the present becomes the previous frame, which stays traceable. Bottom
+// levels that have gone elsewhere change nothing but the present.
+void SceneGpu::State::publish(Frame& frame) {
+    if (uses_hardware()) {
+        next.tlas = gpu::AccelStruct::top(device, "accel/top", std::max(1u, tlas_count));
+        frame.build_tlas(next.tlas, tlas_instances, tlas_count, next.kept);
+    }
+    if (tables_advance) before = has_no_past ? TopLevel{} : std::move(now);
+    has_no_past = false;
+    now = std::move(next);
+    next = {};
+    published += tables_advance ? 1 : 0;
+    version += tables_edited ? 1 : 0;
+    unsettled |= tables_edited;
+    write_header(frame);
+    tables.clear();
+    tables_running = false;
+    forget_unwanted();
+}
+
+// The header and set 0 are made anew: the previous frame's may still be in use.
+void SceneGpu::State::write_header(Frame& frame) {
+    const auto address = [](const gpu::Buffer& buffer) { return buffer ? buffer.address() : 0; };
+    const TopLevel& past = before.tlas || before.nodes ? before : now;
+    shared::SceneHeader header{};
+    header.instances = address(instance_table);
+    header.geometries = address(geometry_table);
+    header.materials = address(material_table);
+    header.textures = address(texture_table);
+    header.geometry_emitters = address(geometry_emitters);
+    header.emitters = address(emitter_table);
+    header.emitter_table = address(emitter_alias);
+    header.triangle_tables = address(triangle_alias);
+    header.environment_table = address(environment_alias);
+    header.bottom_nodes = address(bottom_nodes.buffer());
+    header.bottom_triangles = address(bottom_triangles.buffer());
+    header.top_nodes = address(now.nodes);
+    header.top_items = address(now.items);
+    header.top_nodes_before = address(past.nodes);
+    header.top_items_before = address(past.items);
+    header.sobol = address(sampler_tables);
+    header.blue_noise = address(sampler_tables) + sampling::sobol_table().size() * sizeof(uint32_t);
+    header.suns = address(suns);
+    header.sun_count = static_cast<uint32_t>(sun_rows.size());
+    header.emitter_count = static_cast<uint32_t>(emitters.size());
+    header.culling = options.culling ? 1 : 0;
+    header.environment = environment;
+
+    const gpu::Buffer block(device, "scene/header", sizeof(header));
+    frame.upload(block, 0, std::as_bytes(std::span(&header, 1)));
+    gpu::SceneSet set(device, "scene/set", std::max<uint32_t>(1, static_cast<uint32_t>(slots.size())));
+    set.set_header(block);
+    for (uint32_t slot = 0; slot < slots.size(); ++slot) set.set_texture(slot, slots[slot].first, slots[slot].second);
+    if (uses_hardware()) set.set_accel(now.tlas, past.tlas);
+
+    binding = {.set = set,
+               .buffers = geometry_pool.buffers(),
+               .textures = {},
+               .accels = {}};
+    for (const gpu::Buffer& buffer : {block, geometry_table, material_table, texture_table, instance_table, emitter_table, emitter_alias, triangle_alias, geometry_emitters,
+                                      environment_alias, suns, sampler_tables, bottom_nodes.buffer(), bottom_triangles.buffer(), now.nodes, now.items, past.nodes, past.items})
+        if (buffer) binding.buffers.push_back(buffer);
+    for (const auto& [key, image] : images)
+        if (image.wanted) binding.textures.push_back(image.image);
+    if (environment_image.image) binding.textures.push_back(environment_image.image);
+    if (!uses_hardware()) return;
+    binding.accels = {now.tlas, past.tlas};
+    for (const TopLevel* level : {static_cast<const TopLevel*>(&now), &past}) binding.accels.insert(binding.accels.end(), level->kept.begin(), level->kept.end());
+}
+
+}  // namespace parhelion
