@@ -12,7 +12,7 @@ namespace parhelion::builtin {
 // Textures of all these are laid out in metres of UV.
 struct Palette {
     Handle<Material> floor, plaster, paint, ceiling, walnut, oak, rug, chair, pillow, linen, paper;
-    Handle<Material> brass, copper, steel, ceramic, glaze, glass, terracotta, soil, cord, rubber;
+    Handle<Material> brass, copper, steel, ceramic, glaze, glass, terracotta, soil, cord;
     Handle<Material> leaf, fern, stem, petal, petal_pale, painting, books;
     Handle<Material> toy_body, toy_trim, toy_eye, ball, bulb, shade;
     std::vector<Handle<Material>> normal_mapped;

@@ -136,7 +136,6 @@ Palette add_palette(SceneEdit& edit) {
     p.terracotta = make.plain("terracotta", {0.56f, 0.25f, 0.14f}, 0.8f);
     p.soil = make.plain("soil", {0.055f, 0.037f, 0.025f}, 1.0f);
     p.cord = make.plain("cord", {0.03f, 0.03f, 0.028f}, 0.6f);
-    p.rubber = make.plain("rubber", {0.05f, 0.05f, 0.055f}, 0.7f);
     p.leaf = make.leaf("broad leaf", {0.16f, 0.36f, 0.15f});
     p.fern = make.leaf("fern leaf", {0.36f, 0.52f, 0.20f});
     p.stem = make.plain("stem", {0.13f, 0.22f, 0.06f}, 0.6f);

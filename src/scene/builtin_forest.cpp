@@ -91,9 +91,8 @@ Materials add_materials(SceneEdit& edit) {
                    }),
         ColorSpace::Srgb);
     out.ground = edit.add(std::move(ground));
-    const SurfaceMaps maps = add_bark(edit);
     Material bark = glossy("bark", glm::vec3(1.0f), 0.0f, 0.9f);
-    bark.base_color_texture = maps.color;
+    bark.base_color_texture = add_bark(edit);
     out.bark = edit.add(std::move(bark));
     Material leaf = glossy("leaves", glm::vec3(1.0f), 0.0f, 0.65f);
     leaf.base_color_texture = add_twig(edit);

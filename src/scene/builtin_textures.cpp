@@ -289,22 +289,13 @@ TextureRef add_twig(SceneEdit& edit) {
     return add_texture(edit, make_image("twig", 256, 256, pixel), ColorSpace::Srgb, kClamp);
 }
 
-SurfaceMaps add_bark(SceneEdit& edit) {
-    const auto height = [](float u, float v) {
+TextureRef add_bark(SceneEdit& edit) {
+    const auto pixel = [](float u, float v) {
         const float ridges = std::abs(fractal_noise({u * 14.0f, v * 4.0f}, {14, 4}, 4, 131u) - 0.5f) * 2.0f;
-        return 0.7f * std::sqrt(ridges) + 0.3f * fractal_noise({u * 30.0f, v * 16.0f}, {30, 16}, 3, 132u);
+        const float height = 0.7f * std::sqrt(ridges) + 0.3f * fractal_noise({u * 30.0f, v * 16.0f}, {30, 16}, 3, 132u);
+        return opaque(glm::mix(glm::vec3(0.20f, 0.15f, 0.11f), glm::vec3(0.52f, 0.45f, 0.37f), height));
     };
-    SurfaceMaps maps;
-    maps.color =
-        add_texture(edit,
-                    make_image("bark", 256, 256,
-                               [=](float u, float v) {
-                                   return opaque(glm::mix(glm::vec3(0.20f, 0.15f, 0.11f), glm::vec3(0.52f, 0.45f, 0.37f), height(u, v)));
-                               }),
-                    ColorSpace::Srgb);
-    maps.normal = add_texture(edit, make_normal_image("bark normals", 256, 1.0f, [=](float u, float v) { return 0.03f * height(u, v); }),
-                              ColorSpace::Linear);
-    return maps;
+    return add_texture(edit, make_image("bark", 256, 256, pixel), ColorSpace::Srgb);
 }
 
 TextureRef add_smudges(SceneEdit& edit) {

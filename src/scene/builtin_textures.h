@@ -34,7 +34,7 @@ SurfaceMaps add_weave(SceneEdit& edit, glm::vec3 color, const std::string& name)
 TextureRef add_book_spines(SceneEdit& edit);                                           // kSpines columns side by side, the last is paper
 TextureRef add_broad_leaf(SceneEdit& edit, glm::vec3 color, const std::string& name);  // alpha
 TextureRef add_twig(SceneEdit& edit);                                                  // a twig with many small leaves; alpha
-SurfaceMaps add_bark(SceneEdit& edit);                                                 // 1 m wide, grain along v
+TextureRef add_bark(SceneEdit& edit);                                                 // 1 m wide, grain along v
 TextureRef add_smudges(SceneEdit& edit);                                               // metal_rough: roughness varies, metallic 1
 constexpr uint32_t kSpines = 16;
 

@@ -98,8 +98,8 @@ TEST(DecodeWebp, animations_are_refused_and_limits_checked_before_decoding) {
 }
 
 TEST(DecodeWebp, files_that_are_cut_off_say_how_much_is_there) {
-    const Bytes whole = make_webp(24, 17, true), cut(whole.begin(), whole.begin() + 100);
-    EXPECT_PART(error_of([&] { decode_webp(cut, {}, "a.webp"); }), fmt::format("is a damaged WebP: it has 100 bytes, its header says {}", whole.size()));
+    const Bytes whole = make_webp(24, 17, true), cut(whole.begin(), whole.end() - 10);
+    EXPECT_PART(error_of([&] { decode_webp(cut, {}, "a.webp"); }), fmt::format("is a damaged WebP: it has {} bytes, its header says {}", cut.size(), whole.size()));
 }
 
 TEST(DecodeKtx2, plain_formats_become_rgba8_with_zeros_and_opaque_alpha_for_what_they_lack) {
