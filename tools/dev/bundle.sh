@@ -7,7 +7,7 @@ part_of_the_system='^(ld-linux.*|lib(c|m|dl|rt|pthread|resolv|stdc\+\+|gcc_s|z|a
 bundle_limit_mib=25
 
 # The packages whose code is compiled in: their licences are carried too.
-compiled_in='libglm-dev nlohmann-json3-dev libvulkan-volk-dev libvulkan-dev libspdlog-dev libfmt-dev'
+compiled_in='libglm-dev nlohmann-json3-dev libvulkan-dev libspdlog-dev libfmt-dev'
 
 bundle_libraries() { # bundle_libraries FOLDER PROGRAM...: copies what the programs load into FOLDER/lib
     local folder=$1 library name
