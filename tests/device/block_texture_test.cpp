@@ -59,8 +59,9 @@ TEST_F(BlockTexture, of_every_format_and_level_is_what_the_host_decodes) {
         for (const uint32_t level : {0u, 2u}) {
             const std::vector<float> found = texels_of_level(c, blocks, level);
             const uint8_t* first = expected.data() + image_bytes(TexelFormat::Rgba8, kWidth, kHeight, level);
-            // BC7 is exact. For the others the host rounds to the nearest step; lavapipe's means between two ends are up to two steps off.
-            const float most = c.texels == TexelFormat::Bc7 ? 0.01f : 2.01f;
+            // BC7 is exact. For the others the host rounds to the nearest step, and a device may be off by one step and 3 % of the distance
+            // between the block's ends (Direct3D 11.3 functional specification, 19.5): lavapipe is by up to 2, an H100 by up to 7.
+            const float most = c.texels == TexelFormat::Bc7 ? 0.01f : device()->caps().type == gpu::DeviceType::Cpu ? 2.01f : 1.0f + 0.03f * 255.0f;
             float worst = 0.0f;
             for (size_t i = 0; i < found.size(); ++i) worst = std::max(worst, std::abs(255.0f * found[i] - float(first[i])));
             EXPECT_LE(worst, most) << gpu::format_name(c.format) << " mode " << c.bc7_mode << " level " << level;

@@ -43,8 +43,10 @@ TEST_F(BlockTextures, glow_as_the_same_texels_do_when_plain) {
     double brightest = 0;
     for (size_t c = 0; c < 3; ++c)
         for (size_t i = 0; i < found.pixel_count(); ++i) {
-            // Two steps of 255 (what lavapipe's BC1 to BC5 are off by) through the sRGB curve, which rises by at most 2.3.
-            ASSERT_NEAR(found.plane(c)[i], expected.plane(c)[i], 4.8 / 255) << c << ' ' << i;
+            // As many steps of 255 as BC1 to BC5 may be off by (device/block_texture_test.cpp), through the sRGB curve, which rises by at
+            // most 2.3.
+            const double steps = device()->caps().type == gpu::DeviceType::Cpu ? 2.0 : 8.65;
+            ASSERT_NEAR(found.plane(c)[i], expected.plane(c)[i], 2.4 * steps / 255) << c << ' ' << i;
             brightest = std::max(brightest, double(expected.plane(c)[i]));
         }
     EXPECT_GT(brightest, 0.8);
