@@ -110,7 +110,9 @@ LoadedScene make_cornell(const BuiltinOptions&) {
     add_cornell_walls(edit, white, lamp_min, lamp_max);
     Primitive lamp;
     add_quad(lamp, lamp_min, {lamp_max.x - lamp_min.x, 0.0f, 0.0f}, {0.0f, 0.0f, lamp_max.z - lamp_min.z});
-    add_object(edit, "lamp", std::move(lamp), edit.add(lambert("lamp", glm::vec3(0.78f), glm::vec3(17.0f, 12.0f, 4.0f))));
+    const Material lit = lambert("lamp", glm::vec3(0.78f), glm::vec3(17.0f, 12.0f, 4.0f));
+    const Handle<Material> lamp_material = edit.add(lit);
+    add_object(edit, "lamp", std::move(lamp), lamp_material);
 
     Mesh cube;
     cube.name = "cube";
@@ -135,8 +137,18 @@ LoadedScene make_cornell(const BuiltinOptions&) {
                                       step.set_transform(spinning, local);
                                       return step;
                                   }});
+    out.scripted_edits.push_back({"lamp", "the lamp is switched off and on, a second each", [lit, handle = changes.resolve(lamp_material)](double seconds) {
+                                      Material now = lit;
+                                      if (std::fmod(seconds, 2.0) >= 1.0) now.emission = glm::vec3(0.0f);
+                                      SceneEdit step;
+                                      step.set_material(handle, now);
+                                      return step;
+                                  }});
     return out;
 }
+
+// Half as bright to half as bright again, once in 4 seconds.
+float swing(double seconds) { return float(1.0 + 0.5 * std::sin(1.5707963267948966 * seconds)); }
 
 // A convex, flat-faced Lambert solid in constant light shows albedo x light everywhere.
 LoadedScene make_furnace(const BuiltinOptions& options) {
@@ -146,10 +158,18 @@ LoadedScene make_furnace(const BuiltinOptions& options) {
     material.metallic = options.metallic;
     if (options.roughness != 1.0f || options.metallic != 0.0f) material.specular = 1.0f;
     add_object(edit, "sphere", make_sphere(1.0f, 24, options.metallic != 0.0f), edit.add(std::move(material)));
-    edit.set_environment({.name = "constant", .scale = options.emission});
+    const Environment light{.name = "constant", .scale = options.emission};
+    edit.set_environment(light);
     add_camera(edit, "front", {0.0f, 0.0f, 4.0f}, glm::vec3(0.0f), glm::radians(40.0f));
     LoadedScene out;
     out.scene.apply(std::move(edit));
+    out.scripted_edits.push_back({"swing", "the light around swings, once in 4 seconds", [light](double seconds) {
+                                      Environment now = light;
+                                      now.scale *= swing(seconds);
+                                      SceneEdit step;
+                                      step.set_environment(std::move(now));
+                                      return step;
+                                  }});
     return out;
 }
 
@@ -158,10 +178,19 @@ LoadedScene make_diffuse_box(const BuiltinOptions& options) {
     SceneEdit edit;
     Primitive room;
     add_box(room, glm::vec3(-1.0f), glm::vec3(1.0f), Facing::In);
-    add_object(edit, "room", std::move(room), edit.add(lambert("wall", options.albedo, options.emission)));
+    const Material wall = lambert("wall", options.albedo, options.emission);
+    const Handle<Material> material = edit.add(wall);
+    add_object(edit, "room", std::move(room), material);
     add_camera(edit, "inside", {0.3f, 0.2f, 0.4f}, {-0.2f, -0.1f, -1.0f}, glm::radians(60.0f));
     LoadedScene out;
-    out.scene.apply(std::move(edit));
+    const ChangeSet changes = out.scene.apply(std::move(edit));
+    out.scripted_edits.push_back({"swing", "the light of the walls swings, once in 4 seconds", [wall, handle = changes.resolve(material)](double seconds) {
+                                      Material now = wall;
+                                      now.emission *= swing(seconds);
+                                      SceneEdit step;
+                                      step.set_material(handle, now);
+                                      return step;
+                                  }});
     return out;
 }
 

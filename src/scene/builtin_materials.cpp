@@ -150,10 +150,18 @@ LoadedScene make_spheres(const BuiltinOptions&) {
             add_object(edit, name, sphere, edit.add(glossy(name, {0.9f, 0.6f, 0.3f}, metallic, roughness)),
                        {.translation = {float(column) - 2.0f, float(row) - 2.0f, 0.0f}});
         }
-    edit.set_environment(make_sky());
+    const Environment sky = make_sky();
+    edit.set_environment(sky);
     add_camera(edit, "front", {0.0f, 0.0f, 8.0f}, glm::vec3(0.0f), glm::radians(38.0f));
     LoadedScene out;
     out.scene.apply(std::move(edit));
+    out.scripted_edits.push_back({"sky", "the sky turns, 30 degrees a second", [sky](double seconds) {
+                                      Environment now = sky;
+                                      now.rotation = static_cast<float>(std::fmod(seconds * glm::radians(30.0), glm::radians(360.0)));
+                                      SceneEdit step;
+                                      step.set_environment(std::move(now));
+                                      return step;
+                                  }});
     return out;
 }
 

@@ -31,7 +31,7 @@ void animate(LoadedScene& loaded, const LoadOptions& options) {
         names += (names.empty() ? "" : ", ") + edit.name;
     }
     throw Error(ErrorCode::Usage, fmt::format("{} has no scripted edit '{}'", loaded.scene.source().name, escape_name(options.animate)), "--animate",
-                names.empty() ? "it has none" : "it has " + names);
+                "it has " + names);
 }
 
 LoadedScene load_builtin(const std::string& name, const LoadOptions& options) {

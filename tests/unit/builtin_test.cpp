@@ -121,6 +121,7 @@ TEST(Builtin, textured_holds_what_real_assets_bring) {
 TEST(Builtin, scripted_edits_depend_on_the_time_alone) {
     for (const BuiltinEntry& entry : builtin_scenes()) {
         LoadedScene a = builtin_once(entry.name), b = a;
+        EXPECT_FALSE(a.scripted_edits.empty()) << entry.name;
         for (const ScriptedEdit& edit : a.scripted_edits) {
             const ChangeSet moved = a.scene.apply(edit.apply(0.4));
             EXPECT_FALSE(moved.empty()) << edit.name;
@@ -131,7 +132,7 @@ TEST(Builtin, scripted_edits_depend_on_the_time_alone) {
         EXPECT_EQ(hash_scene(a.scene), hash_scene(b.scene)) << entry.name;
     }
     const LoadedScene cornell = make_builtin("builtin:cornell");
-    ASSERT_EQ(cornell.scripted_edits.size(), 1u);
+    ASSERT_EQ(cornell.scripted_edits.size(), 2u);
     EXPECT_EQ(cornell.scripted_edits[0].name, "spin");
 }
 
