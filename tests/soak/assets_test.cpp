@@ -26,6 +26,15 @@ namespace fs = std::filesystem;
 constexpr uint32_t kTile = 128, kColumns = 10, kRows = 8;
 constexpr uint64_t kMaxBytes = 1ull << 30;
 
+// What is refused, and rightly: a required extension that nobody knows or that is not read, a version to come, a node with two parents.
+const std::map<std::string, std::string> kRefused = {
+    {"drc_dev/CubeScaledInstances/glTF/cube_att.gltf", "is a child of node 1 already"},
+    {"gag_dev/Compatibility/Compatibility_04.gltf", "asks for glTF 2.1"},
+    {"gltfpipeline_dev/box-shared-image-references/box-shared-image-references.gltf", "needs the extension KHR_techniques_webgl"},
+    {"gltftransform_dev/cli/test/in/ACMEBox.gltf", "needs the extension ACME_gizmo"},
+    {"stained_glass_lamp_ktx/StainedGlassLamp.gltf", "Basis Universal"},
+};
+
 struct Viewpoint {
     std::array<double, 3> from{}, at{};
     double fov = 45;
@@ -162,6 +171,8 @@ TEST_F(Assets, every_complete_model_is_drawn) {
         } catch (const Error& error) {
             outcome = error.line;
             ++refused;
+            const auto expected = kRefused.find(name);
+            EXPECT_TRUE(expected != kRefused.end() && error.line.find(expected->second) != std::string::npos) << error.line;
         }
         index << count / (kColumns * kRows) << '\t' << place / kColumns << ',' << place % kColumns << '\t' << name << '\t' << outcome << '\t'
               << fmt::format("{:.2f}", seconds) << '\t' << warnings << '\t' << not_drawn << std::endl;
@@ -171,7 +182,6 @@ TEST_F(Assets, every_complete_model_is_drawn) {
     if (count % (kColumns * kRows) != 0) write_sheet();
     fs::remove(out / "tile.png");
     std::printf("%zu models: %zu drawn, %zu of them with warnings, %zu refused; see %s\n", count, count - refused, warned, refused, out.c_str());
-    EXPECT_EQ(refused, 0u);
 }
 
 }  // namespace
