@@ -27,9 +27,9 @@ float cone_level(float area_uv, float area_ws, float width, float cosine) {
 // The same of a texture of so many texels, seen through a transform of the UVs that scales areas by `area_scale`.
 float texture_level(float level, float width, float height, float area_scale) { return level + 0.5 * log2(max(width * height * area_scale, 1e-30)); }
 
-// What a GGX lobe adds to the spread. The variance of its normals is alpha^2 / (2 (1 - alpha^2)) (2021, section 4 and appendix A); a mirror
-// turns a ray by twice what its normal turns. The curvature of the surface (2021, section 3) adds nothing here: within a path tracer a
-// cone that is too narrow costs samples, one that is too wide blurs.
+// What a GGX lobe adds to the spread, which is a full width: a standard deviation to either side. Its variance is alpha^2 /
+// (2 (1 - alpha^2)) (2021, section 4 and appendix A); the cap is ours. The curvature of surfaces (2021, section 3) adds nothing
+// here: in a path tracer a cone that is too narrow only costs samples, one that is too wide blurs.
 float lobe_spread(float alpha) {
     const float a2 = alpha * alpha;
     return min(2.0 * sqrt(0.5 * a2 / max(1.0 - a2, 1e-6)), kWidestSpread);
