@@ -11,14 +11,14 @@ struct RayCone {
 };
 const RayCone kNoCone = RayCone(-1.0, 0.0);
 
-// What a diffuse lobe adds, and the most that any does: twice the standard deviation of a cosine lobe, about.
+// What a diffuse lobe adds, and the most that any does; chosen. (A cosine lobe's standard deviation per axis is half a radian.)
 const float kWidestSpread = 1.0;
 
 bool has_cone(RayCone cone) { return cone.width >= 0.0; }
 float cone_width(RayCone cone, float t) { return cone.width + cone.spread * t; }
 
-// The level of a texture of one texel (2019, equations 20.5 and 20.8): its texel against the cone's ellipse on the triangle. Both areas
-// are of the same triangle, doubled or not; `cosine` between normal and ray.
+// The level of a texture of one texel (2019, "Ray Cones"): its texel against the cone's ellipse on the triangle. Both areas are of the
+// same triangle, doubled or not; `cosine` between normal and ray.
 float cone_level(float area_uv, float area_ws, float width, float cosine) {
     const float kTiny = 1e-30;
     return 0.5 * log2(max(area_uv, kTiny) / max(area_ws, kTiny)) + log2(max(width, kTiny) / max(abs(cosine), 1e-6));
@@ -27,7 +27,9 @@ float cone_level(float area_uv, float area_ws, float width, float cosine) {
 // The same of a texture of so many texels, seen through a transform of the UVs that scales areas by `area_scale`.
 float texture_level(float level, float width, float height, float area_scale) { return level + 0.5 * log2(max(width * height * area_scale, 1e-30)); }
 
-// What a GGX lobe adds to the spread: twice its standard deviation, whose square is alpha^2 / (2 (1 - alpha^2)) (2021, roughness).
+// What a GGX lobe adds to the spread, which is a full width: a standard deviation to either side. Its variance is alpha^2 /
+// (2 (1 - alpha^2)) (2021, section 4 and appendix A); the cap is ours. The curvature of surfaces (2021, section 3) adds nothing
+// here: in a path tracer a cone that is too narrow only costs samples, one that is too wide blurs.
 float lobe_spread(float alpha) {
     const float a2 = alpha * alpha;
     return min(2.0 * sqrt(0.5 * a2 / max(1.0 - a2, 1e-6)), kWidestSpread);

@@ -39,6 +39,13 @@ Json write_sampler(Writer& writer, const AnimationChannel& channel) {
             {"output", writer.buffer.add_accessor(values)}};
 }
 
+// What a channel moves in the file: weights are those of the node's instances, each of which may have a node of its own there.
+std::vector<uint32_t> targets_of(const Writer& writer, const AnimationChannel& channel) {
+    const auto carriers = writer.instance_nodes.find(channel.node.index);
+    if (channel.path == AnimatedPath::Weights && carriers != writer.instance_nodes.end()) return carriers->second;
+    return {writer.nodes.of(channel.node)};
+}
+
 }  // namespace
 
 void write_skins(Writer& writer) {
@@ -61,7 +68,8 @@ void write_animations(Writer& writer) {
         }
         Json samplers = Json::array(), channels = Json::array();
         for (const AnimationChannel& channel : animation.channels) {
-            channels.push_back({{"sampler", samplers.size()}, {"target", {{"node", writer.nodes.of(channel.node)}, {"path", path_name(channel.path)}}}});
+            for (const uint32_t node : targets_of(writer, channel))
+                channels.push_back({{"sampler", samplers.size()}, {"target", {{"node", node}, {"path", path_name(channel.path)}}}});
             samplers.push_back(write_sampler(writer, channel));
         }
         Json json = named(animation.name);

@@ -74,6 +74,9 @@ private:
         }
         for (uint32_t i = 0; i < nodes_.size(); ++i)
             if (handles[i]) writer_.nodes.set(handles[i], i);
+        for (uint32_t i = 0; i < nodes_.size(); ++i)
+            if (const Instance* instance = nodes_[i].instance; instance != nullptr && instance->place.node)
+                writer_.instance_nodes[instance->place.node.index].push_back(i);
     }
 
     void add_node(Handle<Node> handle, std::vector<Handle<Node>>& handles) {

@@ -1,6 +1,7 @@
 #pragma once
 // Internal to the glTF writer: what its parts share. Each part fills tables of the root and the numbers by which others name them.
 #include <filesystem>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -45,6 +46,7 @@ struct Writer {
     Numbers<Mesh> meshes = {};
     Numbers<Node> nodes = {};
     Numbers<Skin> skins = {};
+    std::map<uint32_t, std::vector<uint32_t>> instance_nodes = {};  // by index of a Node's handle: the nodes in the file that carry its instances
     std::vector<Handle<Skin>> skin_order = {};
 
     // Adds to an array of the root and returns the number there. Tables that would be empty do not exist: glTF forbids them.

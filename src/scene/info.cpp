@@ -105,7 +105,7 @@ std::string_view light_kind_name(LightKind kind) {
 
 std::string list(const std::vector<std::string>& names) {
     std::string out;
-    for (const std::string& name : names) out += (out.empty() ? "" : ", ") + escape_name(name);
+    for (const std::string& name : names) out += (out.empty() ? "" : ", ") + (name.empty() ? "(no name)" : escape_name(name));
     return out.empty() ? "none" : out;
 }
 

@@ -90,7 +90,8 @@ void SceneGpu::State::place_instances() {
         if (options.own_bvh) own.push_back(bvh::make_top_item(on_device.own_root, static_cast<uint32_t>(on_device.own_nodes), world, index));
     }
     stats.instances = static_cast<uint32_t>(instance_rows.size());
-    PARHELION_CHECK(instances.size() <= 0xFFFFFFu, "{} instances are more than the 2^24 that a top level holds", instances.size());
+    if (instances.size() > 0xFFFFFFu)
+        throw Error(ErrorCode::Failed, fmt::format("the scene has {} instances, a top level holds {}", instances.size(), 0xFFFFFF), scene->source().name, "join meshes");
     instance_table = make_table("instances", std::span<const shared::Instance>(instances));
     if (uses_hardware()) {
         tlas_count = static_cast<uint32_t>(driver.size());

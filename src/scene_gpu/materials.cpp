@@ -30,7 +30,8 @@ constexpr TextureRef Material::*kDrawnTextures[] = {&Material::base_color_textur
 std::unordered_set<Handle<Texture>> find_drawn_textures(const Scene& scene) {
     std::unordered_set<Handle<Texture>> out;
     for (const auto& [handle, material] : scene.materials())
-        for (const auto ref : kDrawnTextures) out.insert((material.*ref).texture);
+        for (const auto ref : kDrawnTextures)
+            if ((material.*ref).texture) out.insert((material.*ref).texture);
     return out;
 }
 
@@ -109,10 +110,11 @@ void SceneGpu::State::plan_images() {
     for (const auto& [handle, texture] : scene->textures()) {
         if (!drawn_textures.contains(handle)) continue;
         const Image& source = scene->get(texture.image);
-        ImageOnDevice& image = images[image_key(texture)];
-        image.wanted = true;
-        image.stored_levels = source.level_count;
-        image.bytes = source.texels.size();
+        const auto [at, is_new] = images.try_emplace(image_key(texture));
+        at->second.wanted = true;
+        if (!is_new) continue;
+        at->second.stored_levels = source.level_count;
+        at->second.bytes = source.texels.size();
     }
     // Said before anything is uploaded: the environment takes one slot more.
     const uint64_t needed = drawn_textures.size() + 1, limit = device->caps().max_bindless_textures;

@@ -1,6 +1,7 @@
 // Textures in blocks and with stored levels: the picture is that of the same texels, plain.
 #include <random>
 
+#include "gpu/internal.h"
 #include "scene/builtin_scenes.h"
 #include "scene/shapes.h"
 #include "support/render_fixture.h"
@@ -34,12 +35,24 @@ Scene stripes(bool plain) {
     return make_scene(std::move(edit));
 }
 
-class BlockTextures : public GpuTest {};
+class BlockTextures : public GpuTest {
+protected:
+    static Shot shot() { return {.view = {.width = 48, .height = 24, .max_bounces = 1, .filter = PixelFilter::Point}, .camera = camera_from_above(5.0f, 1.0f), .sample_count = 1}; }
+    // The shared device, as if it read no blocks.
+    gpu::DevicePtr without_blocks() const {
+        const gpu::Device::Impl& impl = device()->impl();
+        return gpu::Device::borrow({.instance = impl.instance->handle,
+                                    .physical_device = impl.physical.handle,
+                                    .device = impl.device,
+                                    .queue = impl.queue,
+                                    .queue_family = impl.physical.queue_family,
+                                    .get_instance_proc_addr = reinterpret_cast<void* (*)(VkInstance, const char*)>(impl.instance->vk.vkGetInstanceProcAddr)});
+    }
+};
 
 TEST_F(BlockTextures, glow_as_the_same_texels_do_when_plain) {
-    const Shot shot{.view = {.width = 48, .height = 24, .max_bounces = 1, .filter = PixelFilter::Point}, .camera = camera_from_above(5.0f, 1.0f), .sample_count = 1};
     Stage blocks(stripes(false)), plain(stripes(true));
-    const image::ImageF found = blocks.picture(shot), expected = plain.picture(shot);
+    const image::ImageF found = blocks.picture(shot()), expected = plain.picture(shot());
     double brightest = 0;
     for (size_t c = 0; c < 3; ++c)
         for (size_t i = 0; i < found.pixel_count(); ++i) {
@@ -50,6 +63,27 @@ TEST_F(BlockTextures, glow_as_the_same_texels_do_when_plain) {
             brightest = std::max(brightest, double(expected.plane(c)[i]));
         }
     EXPECT_GT(brightest, 0.8);
+}
+
+TEST_F(BlockTextures, come_in_slices_to_the_same_bits) {
+    constexpr SceneGpuOptions kCrumbs{.slice_bytes = 32, .slice_triangles = 1, .geometry_buffer_bytes = 4096};
+    Stage whole(stripes(false)), crumbs(stripes(false), kCrumbs);
+    EXPECT_EQ(crumbs.render(shot()).limbs, whole.render(shot()).limbs);
+}
+
+TEST_F(BlockTextures, are_unpacked_in_slices_for_a_device_without_blocks) {
+    const gpu::DevicePtr plain_device = without_blocks();
+    ASSERT_FALSE(plain_device->caps().block_compression);
+    Stage unpacked(stripes(false), {.hardware = false, .slice_bytes = 256, .slice_triangles = 1}, {}, plain_device);
+    SceneProgress progress = unpacked.scene_gpu.update(unpacked.frame);
+    for (double before = 0; !progress.complete; progress = unpacked.scene_gpu.update(unpacked.frame)) {
+        EXPECT_GE(progress.done, before);
+        EXPECT_LE(progress.done, progress.total);
+        before = progress.done;
+        unpacked.frame.run();
+    }
+    Stage plain(stripes(true));
+    EXPECT_EQ(unpacked.render(shot()).limbs, plain.render(shot()).limbs);
 }
 
 }  // namespace

@@ -195,6 +195,21 @@ TEST(BuiltinWorlds, nothing_gets_out_of_a_leak_box_until_its_door_opens) {
     EXPECT_NEAR(solid, 1.4 * 1.4 * 1.4 - 1.0, 1e-4);
 }
 
+TEST(BuiltinWorlds, only_the_forest_takes_a_number_of_triangles) {
+    LoadOptions options;
+    options.builtin.triangles = 2000;
+    EXPECT_NO_THROW(load_scene("builtin:forest", options));
+    for (const char* name : {"builtin:cornell", "scene.glb"}) {
+        try {
+            load_scene(name, options);
+            FAIL() << name;
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code, ErrorCode::Usage);
+            EXPECT_EQ(error.where, "--triangles");
+        }
+    }
+}
+
 TEST(BuiltinWorlds, forest_has_about_as_many_triangles_as_asked_for_and_no_tree_twice) {
     for (const uint64_t triangles : {2000ull, 30'000ull, 500'000ull}) {
         const LoadedScene forest = make_builtin("builtin:forest", {.triangles = triangles});

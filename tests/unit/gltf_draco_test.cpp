@@ -9,6 +9,7 @@
 
 #include "gltf_make.h"
 #include "scene/gltf_draco.h"
+#include "scene/pose.h"
 
 namespace parhelion::test {
 
@@ -164,6 +165,45 @@ TEST(GltfDraco, joints_and_weights_are_at_hand_as_their_accessors_say) {
         EXPECT_EQ(joints, joints_at(p));
         EXPECT_EQ(weights, weights_at(p));
     }
+}
+
+// Everything that a primitive can have besides: its uncompressed accessors go by the order in which the points come out.
+TEST(GltfDraco, compressed_meshes_are_skinned_morphed_and_dressed_by_variant) {
+    const std::unique_ptr<draco::Mesh> mesh = grid();
+    CompressedFile file;
+    GltfMaker& maker = file.maker;
+    file.attribute("POSITION", add(*mesh, Type::POSITION, draco::DT_FLOAT32, false, [](glm::vec3 p) { return p; }), GltfMaker::kFloat,
+                   "VEC3");
+    file.attribute("JOINTS_0", add(*mesh, Type::GENERIC, draco::DT_UINT16, false, [](glm::vec3) { return std::array<uint16_t, 4>{1, 0, 0, 0}; }),
+                   GltfMaker::kUShort, "VEC4");
+    file.attribute("WEIGHTS_0", add(*mesh, Type::GENERIC, draco::DT_FLOAT32, false, [](glm::vec3) { return glm::vec4(1, 0, 0, 0); }),
+                   GltfMaker::kFloat, "VEC4");
+    json& primitive = file.finish(encode(*mesh, draco::MESH_EDGEBREAKER_ENCODING));
+    std::vector<float> lift;
+    for (uint32_t i = 0; i < kPoints; ++i) lift.insert(lift.end(), {0.0f, 0.0f, 8.0f});
+    primitive["targets"] = json::array({{{"POSITION", maker.floats(lift, "VEC3")}}});
+    for (const char* name : {"plain", "red"}) maker.push("materials", {{"name", name}});
+    primitive["material"] = 0;
+    primitive["extensions"]["KHR_materials_variants"]["mappings"] = json::array({{{"variants", {0}}, {"material", 1}}});
+    maker.doc["extensions"]["KHR_materials_variants"]["variants"] = json::array({{{"name", "street"}}});
+    maker.doc["extensionsUsed"].push_back("KHR_materials_variants");
+    maker.doc["meshes"][0]["weights"] = {0.25};
+    maker.doc["nodes"][0]["skin"] = 0;
+    maker.add_node({{"name", "rest"}});
+    maker.add_node({{"name", "moved"}, {"translation", {100, 0, 0}}});
+    maker.push("skins", {{"joints", {1, 2}}});
+
+    Scene scene = maker.load({.median_order = true, .variant = "street"});
+    scene.apply(pose_at(scene, 0.0));
+    EXPECT_TRUE(scene.source().warnings.empty());
+    const Instance& instance = (*scene.instances().begin()).value;
+    ASSERT_TRUE(instance.posed);
+    const Primitive &rest = scene.get(instance.mesh).primitives[0], &posed = scene.get(instance.posed).primitives[0];
+    EXPECT_EQ(scene.get(posed.material).name, "red");
+    EXPECT_EQ(posed.variant_materials, rest.variant_materials);
+    ASSERT_EQ(posed.positions.size(), kPoints);
+    for (size_t i = 0; i < kPoints; ++i) EXPECT_EQ(posed.positions[i], rest.positions[i] + glm::vec3(100.0f, 0.0f, 2.0f));
+    EXPECT_EQ(posed.triangles, rest.triangles);
 }
 
 TEST(GltfDraco, quantised_positions_come_back_within_their_step) {

@@ -9,6 +9,7 @@
 
 #include "gltf_make.h"
 #include "scene/builtin.h"
+#include "scene/pose.h"
 #include "support/everything_scene.h"
 #include "support/scene_compare.h"
 
@@ -189,6 +190,20 @@ TEST(GltfWrite, skins_targets_and_animations_are_written) {
     EXPECT_EQ(times["max"], json::array({0.7}));
     EXPECT_EQ(doc["accessors"][walk["samplers"][3]["output"].get<size_t>()]["count"], 12);
     EXPECT_EQ(floats_of(glb, doc, walk["samplers"][2]["output"]), (std::vector<float>{0, 0, 0, 1, 2, 3, 0.5f, 0.5f, 0.5f}));
+}
+
+TEST(GltfWrite, weights_of_instances_that_shared_a_node_still_move) {
+    GltfMaker maker;
+    maker.add_triangle()["targets"] = json::array({{{"POSITION", maker.floats({0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3")}}});
+    maker.doc["extensionsUsed"] = {"EXT_mesh_gpu_instancing"};
+    maker.doc["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] = maker.floats({-1, 0, 0, 1, 0, 0}, "VEC3");
+    const json sampler{{"input", maker.floats({0, 1}, "SCALAR")}, {"output", maker.floats({0, 1}, "SCALAR")}};
+    maker.push("animations", {{"samplers", {sampler}}, {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}}}}});
+    Scene again = load_bytes(write_glb(maker.load()));
+    EXPECT_EQ(again.source().warnings, std::vector<std::string>{});
+    again.apply(pose_at(again, 0.5));
+    EXPECT_EQ(again.instances().size(), 2u);
+    for (const auto& [handle, instance] : again.instances()) EXPECT_EQ(again.get(instance.drawn_mesh()).primitives[0].positions[0].z, 0.5f);
 }
 
 TEST(GltfWrite, a_posed_instance_is_written_at_rest) {

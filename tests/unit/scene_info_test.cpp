@@ -65,6 +65,13 @@ TEST(SceneInfo, extensions_that_are_known_and_not_drawn_are_named_without_a_warn
     EXPECT_CONTAINS(format_info(info), "  not drawn    KHR_animation_pointer, ACME_gizmo\n");
 }
 
+TEST(SceneInfo, cameras_without_a_name_are_listed_too) {
+    GltfMaker maker;
+    EXPECT_CONTAINS(format_info(describe(loaded(maker))), "  cameras      none\n");
+    for (int i = 0; i < 2; ++i) maker.add_node({{"camera", maker.push("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 1}}}})}});
+    EXPECT_CONTAINS(format_info(describe(loaded(maker))), "  cameras      (no name), (no name)\n");
+}
+
 TEST(GltfExtensions, are_known_by_their_whole_names) {
     EXPECT_EQ(extension_use("KHR_materials_volume"), ExtensionUse::Read);
     EXPECT_EQ(extension_use("KHR_xmp_json_ld"), ExtensionUse::Harmless);
