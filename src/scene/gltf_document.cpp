@@ -47,7 +47,12 @@ std::string_view GltfDocument::read_container(std::span<const std::byte> file) {
         throw Error(ErrorCode::Failed, std::move(what), name_, std::move(hint));
     };
     if (file.size() < 4) fail("is too short to be a glTF file");
-    if (read_u32(file, 0) != kGlbMagic) return as_text(file);
+    if (read_u32(file, 0) != kGlbMagic) {
+        const std::string_view text = as_text(file);
+        const size_t first = text.find_first_not_of("\xEF\xBB\xBF \t\r\n");  // a byte order mark is allowed
+        if (first == std::string_view::npos || text[first] != '{') fail("is no glTF: it is neither GLB nor a JSON object", "SCENE is a .gltf or .glb file, or builtin:NAME");
+        return text;
+    }
     const std::string cut = "the file is cut off or damaged: copy it again";
     if (file.size() < 20) fail("its GLB header is cut off", cut);
     if (const uint32_t version = read_u32(file, 4); version != 2)

@@ -88,7 +88,8 @@ TEST(GltfContainer, json_is_checked_before_it_is_parsed) {
     EXPECT_CONTAINS(error_of(to_bytes(deep)), "nested 100001 levels deep; the limit is 64");
     EXPECT_EQ(measure_json(R"({"a":"[[[\"[","b":[1,[2]]})").depth, 3u);
     EXPECT_CONTAINS(error_of(to_bytes("{\"asset\":")), "is not valid JSON");
-    EXPECT_CONTAINS(error_of(to_bytes("[1,2,3]")), "its JSON is not an object");
+    EXPECT_CONTAINS(error_of(to_bytes("[1,2,3]")), "neither GLB nor a JSON object");
+    EXPECT_CONTAINS(error_of(to_bytes("\xEF\xBB\xBF o cube")), "neither GLB nor a JSON object");
     EXPECT_CONTAINS(error_of(to_bytes("")), "too short");
     EXPECT_CONTAINS(error_of(to_bytes("{\"asset\":\xFF\xFE}")), "is not valid JSON");
     // A million values take a hundred times their text once parsed: they are counted first.
