@@ -1,5 +1,9 @@
 #include "scene/gltf_draco_attributes.h"
 
+#include <cstring>
+#include <type_traits>
+#include <utility>
+
 #include <draco/compression/attributes/sequential_attribute_decoders_controller.h>
 #include <draco/compression/attributes/sequential_integer_attribute_decoder.h>
 #include <draco/compression/attributes/sequential_quantization_attribute_decoder.h>
@@ -63,6 +67,14 @@ private:
     Limit limit_;
 };
 
+// The file's byte may have made any number of the enumeration (not checked in 1.5.5), which must not be read as a value of it.
+template <class E>
+bool lies_between(const E& value, E least, E end) {
+    std::underlying_type_t<E> number;
+    std::memcpy(&number, &value, sizeof(number));
+    return std::cmp_greater_equal(number, static_cast<int>(least)) && std::cmp_less(number, static_cast<int>(end));
+}
+
 template <class Base>
 class LimitedAttribute : public Base {
 public:
@@ -70,6 +82,9 @@ public:
 
 protected:
     std::unique_ptr<Scheme> CreateIntPredictionScheme(draco::PredictionSchemeMethod method, draco::PredictionSchemeTransformType transform) override {
+        if (!lies_between(method, draco::PREDICTION_NONE, draco::NUM_PREDICTION_SCHEMES) ||
+            !lies_between(transform, draco::PREDICTION_TRANSFORM_NONE, draco::NUM_PREDICTION_SCHEME_TRANSFORM_TYPES))
+            return nullptr;  // the values stay as they are stored
         std::unique_ptr<Scheme> scheme = Base::CreateIntPredictionScheme(method, transform);
         if (!scheme) return scheme;
         const draco::PredictionSchemeMethod made = scheme->GetPredictionMethod();  // a plainer one where `method` cannot be had
