@@ -43,7 +43,8 @@ public:
     bool SetParentAttribute(const draco::PointAttribute* attribute) override { return scheme_->SetParentAttribute(attribute); }
     bool AreCorrectionsPositive() override { return scheme_->AreCorrectionsPositive(); }
     draco::PredictionSchemeTransformType GetTransformType() const override { return scheme_->GetTransformType(); }
-    bool ComputeOriginalValues(const int32_t* corrections, int32_t* values, int size, int components, const draco::PointIndex* points) override {
+    bool ComputeOriginalValues(const int32_t* corrections, int32_t* values, int size, int components,
+                               const draco::PointIndex* points) override {
         return scheme_->ComputeOriginalValues(corrections, values, size, components, points);
     }
 
@@ -81,7 +82,8 @@ public:
     explicit LimitedAttribute(const Limit& limit) : limit_(limit) {}
 
 protected:
-    std::unique_ptr<Scheme> CreateIntPredictionScheme(draco::PredictionSchemeMethod method, draco::PredictionSchemeTransformType transform) override {
+    std::unique_ptr<Scheme> CreateIntPredictionScheme(draco::PredictionSchemeMethod method,
+                                                      draco::PredictionSchemeTransformType transform) override {
         if (!lies_between(method, draco::PREDICTION_NONE, draco::NUM_PREDICTION_SCHEMES) ||
             !lies_between(transform, draco::PREDICTION_TRANSFORM_NONE, draco::NUM_PREDICTION_SCHEME_TRANSFORM_TYPES))
             return nullptr;  // the values stay as they are stored
