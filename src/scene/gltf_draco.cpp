@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "scene/gltf_accessors.h"
+#include "scene/gltf_draco_attributes.h"
 
 namespace parhelion {
 
@@ -65,6 +66,12 @@ protected:
         constexpr uint64_t kBytesPerFace = 80, kBytesPerSeamFace = 24;  // corner tables, traversal, faces
         if (!limits_.take(uint64_t(faces) * (kBytesPerFace + kBytesPerSeamFace * seams), "its triangles")) return false;
         return Base::DecodeConnectivity() && limits_.allow(this->mesh()->num_points(), limits_.points, "vertices");
+    }
+
+    bool CreateAttributesDecoder(int32_t id) override {
+        if (!Base::CreateAttributesDecoder(id)) return false;
+        auto& made = const_cast<draco::AttributesDecoderInterface&>(*this->attributes_decoder(id));  // ours to change: it is given out const
+        return this->SetAttributesDecoder(id, limited_attributes_decoder(made, uint64_t{3} * this->mesh()->num_faces(), limits_.problem));
     }
 
     // By now the attributes are known, and have no memory yet.

@@ -75,7 +75,10 @@ private:
 
     void add_nodes() {
         std::vector<Handle<Node>> handles;
-        document_.files().charge(nodes_.size() * 2 * (sizeof(Node) + sizeof(Instance)), document_.root().where());
+        // In the edit, then in the scene; of an instance, only where there is one.
+        constexpr uint64_t kBytesPerNode = 2 * sizeof(Node) + sizeof(glm::dmat4);
+        const auto meshes = std::ranges::count_if(nodes_, [&](const GltfNode& node) { return node.drawn && node_json(node).find("mesh"); });
+        document_.files().charge(nodes_.size() * kBytesPerNode + static_cast<uint64_t>(meshes) * 2 * sizeof(Instance), document_.root().where());
         for (const GltfNode& node : nodes_) {
             const JsonRef json = node_json(node);
             Node value{.name = json.string("name"), .local = read_transform(document_, json)};

@@ -10,8 +10,10 @@ import pathlib
 import struct
 import zlib
 
+from encoded import DRACO, MESHOPT, WEBP
+
 CORPUS = pathlib.Path(__file__).resolve().parent / "corpus"
-FLOAT, USHORT, UBYTE, SHORT, UINT = 5126, 5123, 5121, 5122, 5125
+FLOAT, USHORT, BYTE, UBYTE, SHORT, UINT = 5126, 5123, 5120, 5121, 5122, 5125
 
 
 def put(target, name, data):
@@ -136,6 +138,51 @@ def write_exr():
     put("exr", "tiled.exr", exr(4, 4, [b"A", b"B", b"G", b"R"], 1, tiled=True))
 
 
+def write_webp():
+    for name, data in WEBP.items():
+        put("webp", name + ".webp", data)
+
+
+def ktx2(code, model, width, height, levels, keys=b"", zstd=False):
+    """`levels`: their bytes, finest first; Zstandard holds them in one raw block each (RFC 8878, 3.1.1)."""
+    def pack(data):
+        return struct.pack("<IBI", 0xFD2FB528, 0xA0, len(data)) + struct.pack("<I", len(data) << 3 | 1)[:3] + data if zstd else data
+    descriptor = struct.pack("<IIHHBBBBII8x", 44, 0, 2, 40, model, 1, 1, 0, 0, 0) + bytes(44 - 32)
+    stored = [pack(data) for data in levels]
+    at = 80 + 24 * len(levels) + len(descriptor) + len(keys)
+    index, body = [None] * len(levels), b""
+    for i in reversed(range(len(levels))):
+        index[i] = struct.pack("<QQQ", at + len(body), len(stored[i]), len(levels[i]))
+        body += stored[i]
+    key_at = 80 + 24 * len(levels) + len(descriptor) if keys else 0
+    head = b"\xabKTX 20\xbb\r\n\x1a\n" + struct.pack("<9I", code, 1, width, height, 0, 0, 1, len(levels), 2 if zstd else 0)
+    head += struct.pack("<IIIIQQ", 80 + 24 * len(levels), len(descriptor), key_at, len(keys), 0, 0)
+    return head + b"".join(index) + descriptor + keys + body
+
+
+def noise(size):
+    return bytes((i * 73 + 41) % 256 for i in range(size))
+
+
+def ktx2_key(key, value):
+    data = key + b"\0" + value + b"\0"
+    return struct.pack("<I", len(data)) + data + bytes(-len(data) % 4)
+
+
+KTX2_BC7 = ktx2(145, 134, 5, 4, [noise(32), noise(16)])
+
+
+def write_ktx2():
+    put("ktx2", "rgb8.ktx2", ktx2(29, 1, 3, 2, [noise(18), noise(3)]))
+    put("ktx2", "bgra8_zstd.ktx2", ktx2(44, 1, 3, 3, [noise(36), noise(4)], zstd=True))
+    put("ktx2", "keys.ktx2", ktx2(9, 1, 4, 1, [noise(4)], ktx2_key(b"KTXorientation", b"rd") + ktx2_key(b"KTXswizzle", b"r001")))
+    put("ktx2", "bc1.ktx2", ktx2(132, 128, 8, 8, [noise(32), noise(8), noise(8), noise(8)]))
+    put("ktx2", "bc3_zstd.ktx2", ktx2(138, 130, 4, 4, [noise(16)], zstd=True))
+    put("ktx2", "bc4.ktx2", ktx2(139, 131, 4, 4, [noise(8)]))
+    put("ktx2", "bc5.ktx2", ktx2(141, 132, 4, 4, [noise(16)]))
+    put("ktx2", "bc7.ktx2", KTX2_BC7)
+
+
 # ---- glTF ----
 
 class Maker:
@@ -170,6 +217,8 @@ class Maker:
         self.doc = {k: v for k, v in self.doc.items() if v != []}
         if self.buffer:
             self.doc["buffers"] = [{"byteLength": len(self.buffer)}]
+            if any(view["buffer"] == 1 for view in self.doc["bufferViews"]):  # the fallback of meshopt, which is not there
+                self.doc["buffers"].append({"byteLength": 4096})
         text = json.dumps(self.doc, separators=(",", ":")).encode()
         text += b" " * (-len(text) % 4)
         binary = self.buffer + b"\0" * (-len(self.buffer) % 4)
@@ -270,6 +319,84 @@ def write_gltf():
     m.write("moving")
 
 
+def write_compressed():
+    for name, data in DRACO.items():
+        m = Maker()
+        # Accessors without a view: what the compressed data give them.
+        kinds = [("POSITION", FLOAT, "VEC3"), ("NORMAL", FLOAT, "VEC3"), ("TEXCOORD_0", FLOAT, "VEC2"), ("COLOR_0", UBYTE, "VEC4"),
+                 ("JOINTS_0", UBYTE, "VEC4"), ("WEIGHTS_0", FLOAT, "VEC4")]
+        kinds = kinds[:1] if name.startswith("plain") else kinds
+        accessors = {key: m.push("accessors", {"componentType": code, "type": kind, "count": 16, "normalized": key == "COLOR_0"})
+                     for key, code, kind in kinds}
+        extension = {"bufferView": m.view(data), "attributes": {kinds[i][0]: i for i in range(len(kinds))}}
+        m.mesh(attributes=accessors, indices=m.push("accessors", {"componentType": USHORT, "type": "SCALAR", "count": 54}),
+               extensions={"KHR_draco_mesh_compression": extension})
+        m.doc["extensionsUsed"] = m.doc["extensionsRequired"] = ["KHR_draco_mesh_compression"]
+        m.write("draco_" + name)
+
+    for extension in ["EXT_meshopt_compression", "KHR_meshopt_compression"]:
+        m = Maker()
+
+        def compressed(key, code, kind, stride, mode="ATTRIBUTES", count=8, **more):
+            at = m.push("bufferViews", {"buffer": 1, "byteLength": count * stride})
+            data = MESHOPT[key]
+            view = m.doc["bufferViews"][at]
+            if mode == "ATTRIBUTES":
+                view["byteStride"] = stride
+            filters = {"filter": more.pop("filter")} if "filter" in more else {}
+            m.buffer += bytes(-len(m.buffer) % 4)
+            view["extensions"] = {extension: {"buffer": 0, "byteOffset": len(m.buffer), "byteLength": len(data), "byteStride": stride, "mode": mode,
+                                              "count": count, **filters}}
+            m.buffer += data
+            return m.push("accessors", {"bufferView": at, "componentType": code, "type": kind, "count": count, **more})
+        short = {"normalized": True}
+        color = {"COLOR_0": compressed("color", UBYTE, "VEC4", 4, filter="COLOR", **short)} if extension.startswith("KHR") else {}
+        m.mesh(attributes={"POSITION": compressed("positions", FLOAT, "VEC3", 12), "NORMAL": compressed("oct8", BYTE, "VEC3", 4, filter="OCTAHEDRAL", **short),
+                           **color}, indices=compressed("triangles", UINT, "SCALAR", 4, "TRIANGLES", 12))
+        if color:
+            color = {"COLOR_0": compressed("color16", USHORT, "VEC4", 8, filter="COLOR", **short)}
+        m.mesh(attributes={"POSITION": compressed("exp", FLOAT, "VEC3", 12, filter="EXPONENTIAL"),
+                           "NORMAL": compressed("oct16", SHORT, "VEC3", 8, filter="OCTAHEDRAL", **short), **color},
+               indices=compressed("indices", USHORT, "SCALAR", 2, "INDICES", 12))
+        places = {"ROTATION": compressed("quat", SHORT, "VEC4", 8, filter="QUATERNION", **short),
+                  "TRANSLATION": compressed("positions", FLOAT, "VEC3", 12)}
+        m.node(mesh=0, extensions={"EXT_mesh_gpu_instancing": {"attributes": places}})
+        m.doc["extensionsUsed"] = m.doc["extensionsRequired"] = [extension, "KHR_mesh_quantization", "EXT_mesh_gpu_instancing"]
+        m.write(extension[:11].lower())
+
+
+def write_textures():
+    m = Maker()
+    sources = [(PNG_RGB, "image/png"), (WEBP["lossless"], "image/webp"), (KTX2_BC7, "image/ktx2"), (ktx2(0, 166, 4, 4, [noise(16)]), "image/ktx2")]
+    images = [m.push("images", {"bufferView": m.view(data), "mimeType": kind}) for data, kind in sources]
+    webp = m.push("textures", {"source": images[0], "extensions": {"EXT_texture_webp": {"source": images[1]}}})
+    bc7 = m.push("textures", {"extensions": {"KHR_texture_basisu": {"source": images[2]}}})
+    basis = m.push("textures", {"source": images[0], "extensions": {"KHR_texture_basisu": {"source": images[3]}}})
+
+    def info(index):
+        return {"index": index, "extensions": {"KHR_texture_transform": {"rotation": 1, "texCoord": 1}}}
+    extensions = {
+        "KHR_materials_specular": {"specularTexture": info(webp), "specularColorTexture": info(bc7)},
+        "KHR_materials_transmission": {"transmissionFactor": 1, "transmissionTexture": info(webp)},
+        "KHR_materials_volume": {"thicknessFactor": 1, "thicknessTexture": info(bc7)},
+        "KHR_materials_clearcoat": {"clearcoatFactor": 1, "clearcoatRoughnessFactor": .5, "clearcoatRoughnessTexture": info(bc7),
+                                    "clearcoatNormalTexture": {"index": webp, "scale": 2}},
+        "KHR_materials_sheen": {"sheenColorFactor": [1, 0, 0], "sheenColorTexture": info(webp), "sheenRoughnessTexture": info(basis)},
+        "KHR_materials_anisotropy": {"anisotropyStrength": .5, "anisotropyTexture": info(webp)},
+        "KHR_materials_iridescence": {"iridescenceFactor": 1, "iridescenceTexture": info(webp), "iridescenceThicknessTexture": info(bc7),
+                                      "iridescenceThicknessMinimum": 10, "iridescenceThicknessMaximum": 20}}
+    first = m.push("materials", {"name": "all", "pbrMetallicRoughness": {"baseColorTexture": info(webp)}, "normalTexture": {"index": bc7},
+                                 "alphaMode": "BLEND", "extensions": extensions})
+    old = {"diffuseFactor": [1, 0, 0, 1], "diffuseTexture": info(webp), "specularFactor": [1, 1, 1], "glossinessFactor": .5,
+           "specularGlossinessTexture": info(bc7)}
+    second = m.push("materials", {"extensions": {"KHR_materials_pbrSpecularGlossiness": old}})
+    m.mesh(material=first, attributes={"POSITION": m.accessor(FLOAT, "VEC3", TRIANGLE), "TEXCOORD_0": m.accessor(FLOAT, "VEC2", [0, 0, 1, 0, 0, 1]),
+                                       "TEXCOORD_1": m.accessor(FLOAT, "VEC2", [0, 0, 1, 0, 0, 1])},
+           extensions={"KHR_materials_variants": {"mappings": [{"material": second, "variants": [0]}, {"material": first, "variants": [1]}]}})
+    m.doc["extensions"] = {"KHR_materials_variants": {"variants": [{"name": "old"}, {"name": "new"}]}}
+    m.write("textures")
+
+
 def write_uri():
     seeds = ["a.bin", "sub/back", "../out.bin", "link", "up/out.bin", "%2e%2e/out.bin", "no/../link", "sub/..\\..\\out.bin", "data:,a%20b",
              "data:;base64,aGVsbG8=", "file:///etc/passwd", "//host/a", "./sub/../a.bin", "c:a.bin"]
@@ -282,5 +409,9 @@ if __name__ == "__main__":
     write_jpeg()
     write_hdr()
     write_exr()
+    write_webp()
+    write_ktx2()
     write_gltf()
+    write_compressed()
+    write_textures()
     write_uri()

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "gltf_make.h"
+#include "scene/gltf_json.h"
 
 namespace parhelion::test {
 
@@ -151,6 +152,24 @@ TEST(GltfNodes, a_long_name_that_every_node_takes_is_counted) {
         EXPECT_CONTAINS(error, "the budget for this scene");
         EXPECT_CONTAINS(error, light ? "KHR_lights_punctual.light" : ".camera");
     }
+}
+
+TEST(GltfNodes, memory_of_instances_is_counted_where_nodes_have_a_mesh) {
+    constexpr uint64_t kCount = 1000;
+    const auto charged = [](const json& node) {
+        GltfMaker maker;
+        maker.add_triangle();
+        for (uint64_t i = 0; i < kCount; ++i) maker.add_node(node);
+        const std::vector<std::byte> file = maker.glb();
+        SceneFiles files({});
+        read_gltf(files, file, "test.glb");
+        return files.bytes_charged();
+    };
+    constexpr uint64_t kMember = 2 * JsonLimits::kBytesPerValue;  // what the text itself may be counted for
+    const uint64_t more = charged({{"mesh", 0}}) - charged(json::object());
+    EXPECT_GE(more, kCount * 2 * sizeof(Instance));
+    EXPECT_LE(more, kCount * (2 * sizeof(Instance) + kMember));
+    EXPECT_GE(charged(json::object()), kCount * 2 * sizeof(Node));
 }
 
 TEST(GltfNodes, cameras_of_both_kinds_are_read) {
