@@ -124,6 +124,15 @@ NextEvent sample_next_event(PathState path, Surface s, Bsdf bsdf, mat3 frame, ve
     return event;
 }
 
+// The variant RAY_CONES reads textures as finely as the path sees them (texture.lod=cone); without it cones cost nothing.
+#ifdef RAY_CONES
+RayCone first_cone(ViewData view) { return RayCone(view.pixel_width, view.pixel_spread); }
+RayCone next_cone(RayCone cone, float t, uint lobe, Bsdf bsdf) { return scatter_cone(cone, t, lobe == kLobeDiffuse ? kWidestSpread : lobe_spread(bsdf.alpha)); }
+#else
+RayCone first_cone(ViewData view) { return kNoCone; }
+RayCone next_cone(RayCone cone, float t, uint lobe, Bsdf bsdf) { return kNoCone; }
+#endif
+
 // Continues the path by the BSDF; false: it ends here.
 bool scatter(inout PathState path, Surface s, Bsdf bsdf, mat3 frame, vec3 wo, float u_lobe, vec2 u, uint alpha_key) {
     const BsdfSample next = sample_bsdf(bsdf, wo, u_lobe, u);
@@ -136,7 +145,7 @@ bool scatter(inout PathState path, Surface s, Bsdf bsdf, mat3 frame, vec3 wo, fl
     path.pdf = next.pdf;
     path.bounce += 1u;
     path.ray = spawn_ray(s, normalize(wi_ws), kInfinity, alpha_key);
-    path.cone = scatter_cone(path.cone, s.t, next.lobe == kLobeDiffuse ? kWidestSpread : lobe_spread(bsdf.alpha));
+    path.cone = next_cone(path.cone, s.t, next.lobe, bsdf);
     return max_component(path.throughput) > 0.0;
 }
 
@@ -161,7 +170,7 @@ PathRadiance trace_path(ViewData view, uvec2 pixel, uint sample_index, inout Fir
     path.pdf = -1.0;
     path.bounce = 0u;
     path.first_lobe = kLobeNone;
-    path.cone = view.texture_lod == kTextureLodCone ? RayCone(view.pixel_width, view.pixel_spread) : kNoCone;
+    path.cone = first_cone(view);
     path.radiance = make_path_radiance();
     while (true) {
         note_ray(path.ray, kRayPath);

@@ -22,10 +22,6 @@ SHARED_CONST uint kNoChannel = 0xFFFFFFFFu;
 SHARED_CONST uint kFilterBox = 0u;
 SHARED_CONST uint kFilterPoint = 1u;
 
-// How finely textures are read.
-SHARED_CONST uint kTextureLodFull = 0u;  // the finest level everywhere
-SHARED_CONST uint kTextureLodCone = 1u;  // by ray cones (lib/ray_cone.glsl); alpha tests and light samples at the finest
-
 // A film block is 64 samples: summed in float by sample index, then added exactly (lib/fixed_point.glsl).
 SHARED_CONST uint kSamplesPerBlock = 64u;
 
@@ -49,7 +45,6 @@ struct ViewData {
     uint pixel_filter;
     uint roulette_start;     // first bounce with Russian roulette
     uint light_sampling;     // 0: MIS of both; 1: light sampling only; 2: BSDF sampling only (tests)
-    uint texture_lod;
     float pixel_width, pixel_spread;  // a pixel's ray cone at the camera: metres, radians
     uint channel[kFilmGroupCount];
     uint channel_count;

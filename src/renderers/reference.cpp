@@ -10,7 +10,7 @@ void record_reference(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, Vi
                     "samples {} to {} are not inside one block", slice.first_sample, end);
     PARHELION_CHECK(slice.first_row + slice.row_count <= view.film().height, "rows {} + {} are outside the film", slice.first_row, slice.row_count);
     view.prepare(frame);
-    passes::path_trace(frame, scene, way, view.film(), slice);
+    passes::path_trace(frame, scene, way, view.film(), slice, view.desc().texture_lod == TextureLod::Cone);
     if (ends_range || end % shared::kSamplesPerBlock == 0) passes::add_block(frame, view.film(), slice);
 }
 

@@ -61,7 +61,6 @@ View::View(gpu::DevicePtr device, const ViewDesc& desc) : device_(std::move(devi
     data_.pixel_filter = static_cast<uint32_t>(desc.filter);
     data_.roulette_start = desc.roulette_start;
     data_.light_sampling = desc.light_sampling;
-    data_.texture_lod = static_cast<uint32_t>(desc.texture_lod);
     set_pixel_cone(data_);
     for (const FilmGroup& group : film_groups()) {
         const bool wanted = group.group == shared::kFilmBeauty || std::ranges::any_of(desc.aovs, [&](const std::string& aov) { return is_asked_for(group, aov); });

@@ -14,7 +14,7 @@ namespace parhelion {
 
 enum class SamplerKind : uint32_t { Owen, Cranley, Pcg, White };
 enum class PixelFilter : uint32_t { Box, Point };
-enum class TextureLod : uint32_t { Full, Cone };
+enum class TextureLod : uint32_t { Full, Cone };  // the finest level everywhere; by ray cones (alpha tests and light samples at the finest)
 
 // A group of film channels, by its AOV name: "beauty", "albedo", "path.direct_diffuse", ...
 struct FilmGroup {

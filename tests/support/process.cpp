@@ -55,7 +55,7 @@ struct Pipe {
     std::vector<char*> pointers;
     for (const std::string& word : words) pointers.push_back(const_cast<char*>(word.c_str()));
     pointers.push_back(nullptr);
-    execv(pointers[0], pointers.data());
+    execvp(pointers[0], pointers.data());
     _exit(127);
 }
 
@@ -102,7 +102,9 @@ void collect(const Pipe& out, const Pipe& err, Watcher& watcher, ProcessResult& 
 }  // namespace
 
 ProcessResult run_parhelion(const std::vector<std::string>& arguments, const ProcessOptions& options) {
-    std::vector<std::string> words{std::string(PARHELION_BINARY_DIR) + "/parhelion"};
+    // The one that was built; in a bundle, which has its own, the one on the path.
+    const std::string built = std::string(PARHELION_BINARY_DIR) + "/parhelion";
+    std::vector<std::string> words{std::filesystem::exists(built) ? built : "parhelion"};
     words.insert(words.end(), arguments.begin(), arguments.end());
     Pipe out, err;
     const pid_t process = fork();

@@ -15,8 +15,8 @@ struct PathTraceDumpingPush {
 
 }  // namespace
 
-void path_trace(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const Film& film, const shared::Slice& slice) {
-    frame.trace("reference/path_trace", way)
+void path_trace(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const Film& film, const shared::Slice& slice, bool ray_cones) {
+    frame.trace("reference/path_trace", way, ray_cones ? "+RAY_CONES" : "")
         .scene(scene.binding())
         .read("view", film.view)
         .read_write("block", film.block)

@@ -16,8 +16,9 @@ struct Film {
     uint32_t width = 0, height = 0, channel_count = 0;
 };
 
-// Traces the slice's samples and adds them to the film's block. The slice must lie inside one block.
-void path_trace(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const Film& film, const shared::Slice& slice);
+// Traces the slice's samples and adds them to the film's block. The slice must lie inside one block. `ray_cones`: textures are read
+// as finely as the paths see them (lib/ray_cone.glsl), not at full resolution.
+void path_trace(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const Film& film, const shared::Slice& slice, bool ray_cones);
 
 // The same, keeping the rays: DumpedRay[row_count * width][kMaxDumpedRays]. Further rays of an invocation are not kept.
 void path_trace_dumping(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const Film& film, const shared::Slice& slice, const gpu::Buffer& dump);
