@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "scene/builtin_scenes.h"
+#include "scene/builtin/scenes.h"
 #include "scene/camera.h"
 #include "scene/median_order.h"
 #include "scene/shapes.h"

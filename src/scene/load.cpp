@@ -6,8 +6,8 @@
 #include "base/file.h"
 #include "base/log.h"
 #include "image/decode.h"
-#include "scene/gltf_read.h"
-#include "scene/gltf_variants.h"
+#include "scene/gltf/read.h"
+#include "scene/gltf/variants.h"
 #include "scene/pose.h"
 
 namespace parhelion {

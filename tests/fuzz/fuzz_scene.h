@@ -6,8 +6,8 @@
 
 #include "base/error.h"
 #include "base/log.h"
-#include "scene/gltf_read.h"
-#include "scene/gltf_write.h"
+#include "scene/gltf/read.h"
+#include "scene/gltf/write.h"
 #include "scene/info.h"
 #include "scene/pose.h"
 #include "scene/scene.h"

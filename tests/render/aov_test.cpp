@@ -1,7 +1,7 @@
 // What else the film keeps: path classes, and the first surface's values.
 #include <cmath>
 
-#include "scene/builtin_scenes.h"
+#include "scene/builtin/scenes.h"
 #include "scene/shapes.h"
 #include "support/render_fixture.h"
 

@@ -2,7 +2,7 @@
 #include <random>
 
 #include "gpu/internal.h"
-#include "scene/builtin_scenes.h"
+#include "scene/builtin/scenes.h"
 #include "scene/shapes.h"
 #include "support/render_fixture.h"
 

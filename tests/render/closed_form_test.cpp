@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "scene/builtin_scenes.h"
+#include "scene/builtin/scenes.h"
 #include "scene/shapes.h"
 #include "support/render_fixture.h"
 

@@ -1,7 +1,7 @@
 // What rays see: single- and double-sided surfaces, mirrored instances, cut-out and translucent ones, in all three ways.
 #include <cmath>
 
-#include "scene/builtin_scenes.h"
+#include "scene/builtin/scenes.h"
 #include "scene/shapes.h"
 #include "support/trace_rays.h"
 

@@ -1,5 +1,5 @@
 // Ways to estimate the same light have the same mean: light sampling, BSDF sampling, both by MIS; with and without roulette.
-#include "scene/builtin_scenes.h"
+#include "scene/builtin/scenes.h"
 #include "scene/shapes.h"
 #include "support/render_fixture.h"
 #include "support/statistics.h"

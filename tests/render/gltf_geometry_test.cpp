@@ -6,7 +6,7 @@
 #include <meshoptimizer.h>
 #include <nlohmann/json.hpp>
 
-#include "scene/gltf_read.h"
+#include "scene/gltf/read.h"
 #include "support/render_fixture.h"
 
 namespace parhelion::testing {

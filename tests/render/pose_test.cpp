@@ -1,7 +1,7 @@
 // A posed scene draws the very picture of the same geometry built in place, in every way to trace, after every pose.
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "scene/builtin_scenes.h"
+#include "scene/builtin/scenes.h"
 #include "scene/pose.h"
 #include "scene/shapes.h"
 #include "support/render_fixture.h"

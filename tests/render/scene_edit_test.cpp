@@ -2,7 +2,7 @@
 // scene stays visible to shadow rays for one frame.
 #include <functional>
 
-#include "scene/builtin_scenes.h"
+#include "scene/builtin/scenes.h"
 #include "scene/shapes.h"
 #include "support/trace_rays.h"
 

@@ -3,7 +3,7 @@
 
 #include "renderers/renderer.h"
 #include "gpu/internal.h"
-#include "scene/builtin_scenes.h"
+#include "scene/builtin/scenes.h"
 #include "scene/shapes.h"
 #include "session/scene_setup.h"
 #include "support/trace_rays.h"

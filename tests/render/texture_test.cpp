@@ -1,7 +1,7 @@
 // Textures by the thousand, exchanged, and read as finely as a pixel sees them.
 #include <cmath>
 
-#include "scene/builtin_scenes.h"
+#include "scene/builtin/scenes.h"
 #include "scene/shapes.h"
 #include "support/render_fixture.h"
 

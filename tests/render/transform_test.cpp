@@ -2,7 +2,7 @@
 #include <glm/gtc/matrix_inverse.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "scene/builtin_scenes.h"
+#include "scene/builtin/scenes.h"
 #include "scene/shapes.h"
 #include "support/render_fixture.h"
 

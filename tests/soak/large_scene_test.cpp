@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "base/platform.h"
-#include "scene/builtin_scenes.h"
+#include "scene/builtin/scenes.h"
 #include "support/render_fixture.h"
 
 namespace parhelion::testing {

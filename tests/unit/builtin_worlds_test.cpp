@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "builtin_support.h"
-#include "scene/builtin_random.h"
+#include "scene/builtin/random.h"
 #include "scene/info.h"
 #include "scene/load.h"
 #include "scene/shapes.h"

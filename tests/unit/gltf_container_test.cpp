@@ -5,7 +5,7 @@
 
 #include "gltf_make.h"
 #include "image/encode.h"
-#include "scene/gltf_json.h"
+#include "scene/gltf/json.h"
 
 namespace parhelion::test {
 

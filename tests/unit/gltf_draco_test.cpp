@@ -8,7 +8,7 @@
 #include <draco/compression/expert_encode.h>
 
 #include "gltf_make.h"
-#include "scene/gltf_draco.h"
+#include "scene/gltf/draco.h"
 #include "scene/pose.h"
 
 namespace parhelion::test {

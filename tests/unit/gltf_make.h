@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "scene/gltf_read.h"
+#include "scene/gltf/read.h"
 #include "scene/scene.h"
 
 namespace parhelion::test {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "gltf_make.h"
-#include "scene/gltf_json.h"
+#include "scene/gltf/json.h"
 
 namespace parhelion::test {
 

@@ -7,7 +7,7 @@
 #include "base/file.h"
 #include "base/platform.h"
 #include "gltf_make.h"
-#include "scene/gltf_write.h"
+#include "scene/gltf/write.h"
 #include "scene/load.h"
 #include "support/everything_scene.h"
 #include "support/scene_compare.h"

@@ -1,5 +1,5 @@
 // Scenes written as glTF and read again: the same scene, and the same bytes when it is written once more.
-#include "scene/gltf_write.h"
+#include "scene/gltf/write.h"
 
 #include <gtest/gtest.h>
 

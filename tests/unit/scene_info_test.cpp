@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "gltf_make.h"
-#include "scene/gltf_extensions.h"
+#include "scene/gltf/extensions.h"
 #include "scene/info.h"
 
 namespace parhelion::test {

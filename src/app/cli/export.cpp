@@ -6,7 +6,7 @@
 #include "app/cli/commands.h"
 #include "base/file.h"
 #include "base/log.h"
-#include "scene/gltf_write.h"
+#include "scene/gltf/write.h"
 #include "scene/load.h"
 #include "session/render_options.h"
 #include "session/results.h"
