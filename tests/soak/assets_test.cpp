@@ -2,6 +2,7 @@
 // picture that is one colour. Leaves contact sheets and an index (file, outcome, warnings, what is not drawn) in the build folder, under
 // assets/: look at them.
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -111,13 +112,13 @@ std::string join(const std::vector<std::string>& texts) {
 class Assets : public GpuTest {
 protected:
     // Models that only glow a little are shown under the sky, as those without any light are.
-    static RenderOptions options_for(const Model& model, const SceneInfo& info, const fs::path& picture) {
+    static RenderOptions options_for(const Model& model, const SceneInfo& info, const fs::path& picture, const fs::path& light) {
         RenderOptions options;
         options.scene = model.path.string();
         options.size = {kTile, kTile};
         options.samples = {0, 16};
         options.trace = TraceChoice::Compute;
-        options.output.files = {picture};
+        options.output.files = {picture, light};
         if (info.emitters != 0 && info.lights.empty()) options.environment = "sky";
         if (model.viewpoint) {
             options.look_from = model.viewpoint->from;
@@ -161,11 +162,12 @@ TEST_F(Assets, every_complete_model_is_drawn) {
             const SceneInfo info = describe(load_scene(model.path.string()));
             warnings = join(info.warnings);
             not_drawn = join(info.extensions_not_drawn);
-            const fs::path picture_path = out / "tile.png";
-            const RenderReport report = run_render_job(options_for(model, info, picture_path), device());
+            const fs::path picture_path = out / "tile.png", light_path = out / "tile.exr";
+            const RenderReport report = run_render_job(options_for(model, info, picture_path, light_path), device());
             seconds = report.load_seconds + report.setup_seconds + report.render_seconds;
             const image::Texture8 picture = image::decode_png(read_file(picture_path, kMaxBytes));
             put(sheet, picture, place);
+            for (const float v : image::decode_exr(read_file(light_path, kMaxBytes)).data) ASSERT_TRUE(std::isfinite(v) && v >= 0.0f) << name;
             if (one_color(picture)) outcome = "drawn, one colour";
             warned += warnings.empty() ? 0 : 1;
         } catch (const Error& error) {
@@ -181,6 +183,7 @@ TEST_F(Assets, every_complete_model_is_drawn) {
     }
     if (count % (kColumns * kRows) != 0) write_sheet();
     fs::remove(out / "tile.png");
+    fs::remove(out / "tile.exr");
     std::printf("%zu models: %zu drawn, %zu of them with warnings, %zu refused; see %s\n", count, count - refused, warned, refused, out.c_str());
 }
 
