@@ -4,7 +4,7 @@
 #   name.comp                     a compute pass
 #   name.trace                    a tracing pass: compiled in all three ways (query, compute, pipeline)
 #   name.rchit|.rahit|.rmiss      the scene's hit shaders
-#   a line "// variants: A B"     also compiled with -DA and with -DB
+#   a line "// variants: A B+C"   also compiled with -DA, and with -DB -DC
 set(PARHELION_SHADER_ROOT ${CMAKE_SOURCE_DIR}/shaders)
 
 add_executable(shader_pack tools/shader_pack.cpp)
@@ -48,7 +48,7 @@ function(parhelion_shader_pack pack)
                 set(flags)
                 set(suffix)
                 if(define)
-                    set(flags -D${define})
+                    string(REGEX REPLACE "([A-Z_]+)\\+?" "-D\\1;" flags ${define})
                     set(suffix "+${define}")
                 endif()
                 if(kind STREQUAL "comp")

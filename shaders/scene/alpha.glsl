@@ -22,7 +22,7 @@ float fetch_alpha(Geometry geometry, uint primitive, vec2 barycentrics) {
 // `alpha_key`: hash of (pixel, sample, bounce, ray kind).
 bool accept_hit(uint alpha_key, uint instance, uint geometry_of_mesh, uint primitive, vec2 barycentrics, bool front_facing) {
     const Geometry geometry = scene_geometry(scene_instance(instance).geometry_base + geometry_of_mesh);
-    if (!front_facing && scene.header.culling != 0u && (geometry.flags & kMaterialDoubleSided) == 0u) return false;
+    if (!front_facing && scene.header.culling != 0u && (geometry.flags & (kMaterialDoubleSided | kMaterialTransmits)) == 0u) return false;
     const uint mode = geometry.flags & kAlphaModeMask;
     if (mode == kAlphaOpaque) return true;
     const float alpha = fetch_alpha(geometry, primitive, barycentrics);

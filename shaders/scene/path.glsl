@@ -36,29 +36,35 @@ struct PathState {
     vec3 throughput;
     float pdf;          // of the last BSDF sample per solid angle; < 0: the light could not have been sampled (camera ray)
     uint bounce;        // scatterings so far
-    uint first_lobe;    // lobe of the first scattering
+    vec3 first_diffuse; // share of the throughput that the first scattering's diffuse lobe has; the rest is the specular one's
+    bool transmitted;   // the first scattering went through the surface
     RayCone cone;       // how finely textures are read; of the ray
     PathRadiance radiance;
 };
 
+void add_indirect(inout PathState path, vec3 value) {
+    path.radiance.indirect_diffuse += path.first_diffuse * value;
+    path.radiance.indirect_specular += (1.0 - path.first_diffuse) * value;
+}
+
 // Adds radiance that arrives over the last BSDF sample (or straight from the camera) to its class.
 void add_arriving(inout PathState path, vec3 value) {
     if (path.bounce == 0u) path.radiance.emission += value;
-    else if (path.first_lobe == kLobeTransmission) path.radiance.transmission += value;
-    else if (path.bounce == 1u && path.first_lobe == kLobeDiffuse) path.radiance.direct_diffuse += value;
-    else if (path.bounce == 1u) path.radiance.direct_specular += value;
-    else if (path.first_lobe == kLobeDiffuse) path.radiance.indirect_diffuse += value;
-    else path.radiance.indirect_specular += value;
+    else if (path.transmitted) path.radiance.transmission += value;
+    else if (path.bounce == 1u) {
+        path.radiance.direct_diffuse += path.first_diffuse * value;
+        path.radiance.direct_specular += (1.0 - path.first_diffuse) * value;
+    } else add_indirect(path, value);
 }
 
 // Adds light-sampled radiance, split by lobe at the current surface.
-void add_sampled(inout PathState path, vec3 diffuse, vec3 specular) {
-    if (path.bounce == 0u) {
-        path.radiance.direct_diffuse += diffuse;
-        path.radiance.direct_specular += specular;
-    } else if (path.first_lobe == kLobeTransmission) path.radiance.transmission += diffuse + specular;
-    else if (path.first_lobe == kLobeDiffuse) path.radiance.indirect_diffuse += diffuse + specular;
-    else path.radiance.indirect_specular += diffuse + specular;
+void add_sampled(inout PathState path, BsdfValue value) {
+    if (path.transmitted) path.radiance.transmission += total(value);
+    else if (path.bounce == 0u) {
+        path.radiance.direct_diffuse += value.diffuse;
+        path.radiance.direct_specular += value.specular;
+        path.radiance.transmission += value.transmission;
+    } else add_indirect(path, total(value));
 }
 
 // MIS weight of light reached by the last BSDF sample, which light sampling would have found with light_pdf.
@@ -94,7 +100,7 @@ void add_emission(inout PathState path, Surface s, uint mode) {
 // One light sample at the surface: its ray, and what it adds if the ray is free.
 struct NextEvent {
     Ray ray;
-    vec3 diffuse, specular;  // throughput included
+    BsdfValue value;  // throughput included
     bool exists;
 };
 
@@ -111,9 +117,8 @@ NextEvent sample_next_event(PathState path, Surface s, Bsdf bsdf, mat3 frame, ve
     float weight = 1.0;
     if (!light.is_delta && mode == kLightSamplingMis) weight = mis_power_heuristic(light.pdf, pdf_bsdf_solid_angle(bsdf, wo, wi));
     const vec3 arriving = path.throughput * light.radiance * (weight / light.pdf);
-    event.diffuse = arriving * value.diffuse;
-    event.specular = arriving * value.specular;
-    event.exists = max_component(event.diffuse + event.specular) > 0.0;
+    event.value = BsdfValue(arriving * value.diffuse, arriving * value.specular, arriving * value.transmission);
+    event.exists = max_component(total(event.value)) > 0.0;
     if (!event.exists) return event;
     event.ray = spawn_ray(s, light.wi, kInfinity, alpha_key);
     if (!light.infinite) {
@@ -140,8 +145,12 @@ bool scatter(inout PathState path, Surface s, Bsdf bsdf, mat3 frame, vec3 wo, fl
     const vec3 wi_ws = frame * next.wi;
     // A direction that the shading normal allows but the real surface does not carries nothing.
     if (dot(wi_ws, s.n_geometric_ws) * dot(path.ray.direction_ws, s.n_geometric_ws) >= 0.0) return false;
-    if (path.bounce == 0u) path.first_lobe = next.lobe;
-    path.throughput *= next.weight;
+    const vec3 weight = total(next.weight);
+    if (path.bounce == 0u) {
+        path.first_diffuse = next.weight.diffuse / max(weight, vec3(1e-30));
+        path.transmitted = next.wi.z < 0.0;
+    }
+    path.throughput *= weight;
     path.pdf = next.pdf;
     path.bounce += 1u;
     path.ray = spawn_ray(s, normalize(wi_ws), kInfinity, alpha_key);
@@ -160,6 +169,11 @@ bool survive_roulette(inout PathState path, float u) {
 // Told of every ray before it is traced; the pass that includes this file defines it, to count or keep them.
 void note_ray(Ray ray, uint kind);
 
+// Both normals on the side of wo.
+vec3 shading_normal(ViewData view, vec3 n_shading, vec3 n_geometric, vec3 wo) {
+    return (view.flags & kViewNormalCorrection) != 0u ? bend_normal(n_shading, n_geometric, wo) : n_shading;
+}
+
 // One sample of one pixel.
 PathRadiance trace_path(ViewData view, uvec2 pixel, uint sample_index, inout FirstHit first) {
     PathSampler samples = make_sampler(pixel, sample_index, view.seed, view.sampler_kind, scene.header.sobol, scene.header.blue_noise);
@@ -169,7 +183,8 @@ PathRadiance trace_path(ViewData view, uvec2 pixel, uint sample_index, inout Fir
     path.throughput = vec3(1.0);
     path.pdf = -1.0;
     path.bounce = 0u;
-    path.first_lobe = kLobeNone;
+    path.first_diffuse = vec3(0.0);
+    path.transmitted = false;
     path.cone = first_cone(view);
     path.radiance = make_path_radiance();
     while (true) {
@@ -183,7 +198,7 @@ PathRadiance trace_path(ViewData view, uvec2 pixel, uint sample_index, inout Fir
         }
         Surface s = fetch_surface(hit, path.ray, path.cone);
         add_emission(path, s, view.light_sampling);
-        if (path.bounce == 0u) first = FirstHit(s.base_color, s.n_shading_ws * (s.front_facing ? 1.0 : -1.0), s.emission, s.roughness);
+        if (path.bounce == 0u) first = FirstHit(s.scattering.base_color, s.n_shading_ws * (s.front_facing ? 1.0 : -1.0), s.emission, s.scattering.roughness);
         if (path.bounce >= view.max_bounces) break;
 
         start_bounce(samples, path.bounce + 1u);
@@ -195,15 +210,15 @@ PathRadiance trace_path(ViewData view, uvec2 pixel, uint sample_index, inout Fir
         if (path.bounce >= view.roulette_start && !survive_roulette(path, u_roulette)) break;
 
         const float side = s.front_facing ? 1.0 : -1.0;
-        const vec3 n = bend_normal(side * s.n_shading_ws, side * s.n_geometric_ws, -path.ray.direction_ws);
+        const vec3 n = shading_normal(view, side * s.n_shading_ws, side * s.n_geometric_ws, -path.ray.direction_ws);
         const mat3 frame = make_frame(n);
         const vec3 wo = -path.ray.direction_ws * frame;
-        const Bsdf bsdf = make_bsdf(s.base_color, s.metallic, s.roughness, s.ior, s.specular, s.specular_color);
+        const Bsdf bsdf = make_bsdf(s.scattering, vec3(0.0, 0.0, 1.0), (view.flags & kViewEnergyCompensation) != 0u, scene.header.bsdf_tables);
         const NextEvent event = sample_next_event(path, s, bsdf, frame, wo, view.light_sampling, u_pick, u_light,
                                                   hash_ray(pixel, sample_index, view.seed, path.bounce, kRayShadow));
         if (event.exists) {
             note_ray(event.ray, kRayShadow);
-            if (trace_visible(event.ray, kNow)) add_sampled(path, event.diffuse, event.specular);
+            if (trace_visible(event.ray, kNow)) add_sampled(path, event.value);
         }
         if (!scatter(path, s, bsdf, frame, wo, u_lobe, u_direction, hash_ray(pixel, sample_index, view.seed, path.bounce + 1u, kRayPath))) break;
     }

@@ -16,9 +16,8 @@ struct Surface {
     vec3 n_geometric_ws;  // unit, on the front side (counter-clockwise in object space, as glTF)
     vec3 n_shading_ws;    // unit, interpolated and normal mapped, on the front side
     bool front_facing;    // the ray came from the front side
-    vec3 base_color;
-    float metallic, roughness, ior, specular;
-    vec3 specular_color;
+    BsdfParameters scattering;  // its eta is left to the path, which knows in which volume the ray is
+    vec3 n_coat_ws;       // unit, the clear coat's shading normal, on the front side (LAYERS)
     vec3 emission;        // nits towards the ray's origin
     uint instance, geometry, primitive, material;  // geometry: of the mesh
     float double_area_ws; // twice the triangle's area, square metres
@@ -102,20 +101,20 @@ Surface fetch_surface(Hit hit, Ray ray, RayCone cone) {
     s.n_shading_ws = apply_normal_map(material, uv0, uv1, footprint, s.n_shading_ws, vec4(tangent, a0.tangent.w * winding));
 
     const vec3 vertex_color = interpolate(weights, unpackUnorm4x8(a0.color).rgb, unpackUnorm4x8(a1.color).rgb, unpackUnorm4x8(a2.color).rgb);
-    s.base_color = material.base_color.rgb * vertex_color * fetch_texture(material.base_color_texture, uv0, uv1, footprint, vec4(1.0)).rgb;
+    s.scattering.base_color = material.base_color.rgb * vertex_color * fetch_texture(material.base_color_texture, uv0, uv1, footprint, vec4(1.0)).rgb;
     const vec4 metal_rough = fetch_texture(material.metal_rough_texture, uv0, uv1, footprint, vec4(1.0));
-    s.metallic = clamp(material.metallic * metal_rough.b, 0.0, 1.0);
-    s.roughness = clamp(material.roughness * metal_rough.g, 0.0, 1.0);
-    s.ior = material.ior;
-    s.specular = material.specular * fetch_texture(material.specular_texture, uv0, uv1, footprint, vec4(1.0)).a;
-    s.specular_color = material.specular_color * fetch_texture(material.specular_color_texture, uv0, uv1, footprint, vec4(1.0)).rgb;
+    s.scattering.metallic = clamp(material.metallic * metal_rough.b, 0.0, 1.0);
+    s.scattering.roughness = clamp(material.roughness * metal_rough.g, 0.0, 1.0);
+    s.scattering.ior = material.ior;
+    s.scattering.specular = material.specular * fetch_texture(material.specular_texture, uv0, uv1, footprint, vec4(1.0)).a;
+    s.scattering.specular_color = material.specular_color * fetch_texture(material.specular_color_texture, uv0, uv1, footprint, vec4(1.0)).rgb;
     const bool emits = s.front_facing || (material.flags & kMaterialDoubleSided) != 0u;
     s.emission = emits ? material.emission * fetch_texture(material.emissive_texture, uv0, uv1, footprint, vec4(1.0)).rgb : vec3(0.0);
     if ((material.flags & kMaterialUnlit) != 0u) {  // shown as it is, not lit (KHR_materials_unlit); no light to sample, paths that meet it see it
-        s.emission = s.base_color;
-        s.base_color = vec3(0.0);
-        s.specular = 0.0;
-        s.metallic = 0.0;
+        s.emission = s.scattering.base_color;
+        s.scattering.base_color = vec3(0.0);
+        s.scattering.specular = 0.0;
+        s.scattering.metallic = 0.0;
     }
     return s;
 }

@@ -17,6 +17,14 @@ SHARED_CONST uint kAlphaBlend = 2u;
 SHARED_CONST uint kAlphaModeMask = 3u;
 SHARED_CONST uint kMaterialDoubleSided = 4u;
 SHARED_CONST uint kMaterialUnlit = 8u;
+SHARED_CONST uint kMaterialTransmits = 16u;  // light goes through it: never culled
+SHARED_CONST uint kMaterialThin = 32u;       // it transmits without enclosing a volume: a wall without thickness
+SHARED_CONST uint kMaterialCoated = 64u;
+SHARED_CONST uint kMaterialSheen = 128u;
+
+// SceneHeader::features: what some material of the scene has.
+SHARED_CONST uint kSceneLayers = 1u;  // transmission, a clear coat or sheen: path tracers need their variant LAYERS
+SHARED_CONST uint kScenePanes = 2u;   // thin-walled transmission: shadow rays may pass
 
 // A row-major 3x4 affine transform: column vectors, p' = (dot(row0, vec4(p, 1)), ...).
 struct Affine {
@@ -79,8 +87,16 @@ struct Material {
     float specular;  // KHR_materials_specular; 0: a pure Lambert surface
     vec3 specular_color;
     uint flags;
+    vec3 absorption;  // of the volume that it encloses, 1/m
+    int priority;     // of that volume where several overlap: the highest is there
+    float coat, coat_roughness, coat_normal_scale;
+    vec3 sheen_color;
+    float sheen_roughness;
     TextureRef base_color_texture, metal_rough_texture, normal_texture, emissive_texture;
     TextureRef specular_texture, specular_color_texture;
+    TextureRef transmission_texture;
+    TextureRef coat_texture, coat_roughness_texture, coat_normal_texture;
+    TextureRef sheen_color_texture, sheen_roughness_texture;
 };
 
 // Emitter::kind
@@ -137,10 +153,12 @@ struct SceneHeader {
     uint64_t top_nodes_before, top_items_before;  // of the previous frame
     uint64_t sobol;              // uint[kSobolDimensions * 32]
     uint64_t blue_noise;         // uint[128 * 128 / 2], two 16-bit ranks a word
+    uint64_t bsdf_tables;        // directional albedos (lib/bsdf_tables.glsl)
     uint64_t suns;               // uint[sun_count]: emitters that are disks at infinity, which rays can meet
     uint emitter_count;
     uint sun_count;
-    uint culling;                // 1: single-sided surfaces are invisible from behind
+    uint culling;                // 1: single-sided surfaces that do not transmit are invisible from behind
+    uint features;               // kScene...
     Environment environment;
 };
 

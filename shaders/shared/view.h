@@ -22,6 +22,10 @@ SHARED_CONST uint kNoChannel = 0xFFFFFFFFu;
 SHARED_CONST uint kFilterBox = 0u;
 SHARED_CONST uint kFilterPoint = 1u;
 
+// ViewData::flags
+SHARED_CONST uint kViewEnergyCompensation = 1u;  // light that microfacets scatter more than once is not lost
+SHARED_CONST uint kViewNormalCorrection = 2u;    // shading normals are bent so that reflections leave the surface
+
 // A film block is 64 samples: summed in float by sample index, then added exactly (lib/fixed_point.glsl).
 SHARED_CONST uint kSamplesPerBlock = 64u;
 
@@ -45,6 +49,8 @@ struct ViewData {
     uint pixel_filter;
     uint roulette_start;     // first bounce with Russian roulette
     uint light_sampling;     // 0: MIS of both; 1: light sampling only; 2: BSDF sampling only (tests)
+    uint flags;              // kView...
+    float firefly_clamp;     // nits: most that one contribution after the first scattering may add; 0: no limit
     float pixel_width, pixel_spread;  // a pixel's ray cone at the camera: metres, radians
     uint channel[kFilmGroupCount];
     uint channel_count;

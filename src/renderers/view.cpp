@@ -61,6 +61,8 @@ View::View(gpu::DevicePtr device, const ViewDesc& desc) : device_(std::move(devi
     data_.pixel_filter = static_cast<uint32_t>(desc.filter);
     data_.roulette_start = desc.roulette_start;
     data_.light_sampling = desc.light_sampling;
+    data_.flags = (desc.energy_compensation ? shared::kViewEnergyCompensation : 0) | (desc.normal_correction ? shared::kViewNormalCorrection : 0);
+    data_.firefly_clamp = desc.firefly_clamp;
     set_pixel_cone(data_);
     for (const FilmGroup& group : film_groups()) {
         const bool wanted = group.group == shared::kFilmBeauty || std::ranges::any_of(desc.aovs, [&](const std::string& aov) { return is_asked_for(group, aov); });

@@ -34,6 +34,9 @@ struct ViewDesc {
     uint32_t roulette_start = 2;
     uint32_t light_sampling = 0;  // 0: MIS; 1: light sampling only; 2: BSDF sampling only
     TextureLod texture_lod = TextureLod::Full;
+    bool energy_compensation = true;  // what microfacets scatter more than once is not lost
+    bool normal_correction = true;    // shading normals are bent so that reflections leave the surface
+    float firefly_clamp = 0.0f;       // nits that one contribution after the first scattering may add; 0: no limit
     std::vector<std::string> aovs;  // film groups besides the beauty
 };
 

@@ -125,6 +125,9 @@ struct Material {
     // KHR_materials_volume
     float thickness = 0.0f;         // metres in object space; 0: thin walls, no refraction
     TextureRef thickness_texture;   // green
+    // Where volumes overlap, the one of the highest priority is there (Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced
+    // Images"); of equal ones that which was entered last. glTF has no word for it: extras.nested_priority.
+    int nested_priority = 0;
     float attenuation_distance = std::numeric_limits<float>::infinity();  // metres after which attenuation_color is left
     glm::vec3 attenuation_color{1.0f};
     // KHR_materials_dispersion: 20 / Abbe number

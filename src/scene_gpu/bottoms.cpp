@@ -16,14 +16,16 @@ struct DriverFlags {
     bool cull_by_flag = false;
 };
 
+bool never_culled(const Material& material) { return material.double_sided || (material.transmission > 0.0f && !material.unlit); }
+
 // The driver culls by a flag of the whole instance. A mesh that mixes single- and double-sided geometries is not culled by it;
 // any-hit does it there, so its single-sided geometries are not opaque to the driver.
 DriverFlags driver_flags(const Scene& scene, const Mesh& mesh, bool culling) {
     const auto material = [&](const Primitive& p) -> const Material& { return scene.get(p.material); };
     DriverFlags flags;
-    flags.cull_by_flag = culling && std::ranges::none_of(mesh.primitives, [&](const Primitive& p) { return material(p).double_sided; });
+    flags.cull_by_flag = culling && std::ranges::none_of(mesh.primitives, [&](const Primitive& p) { return never_culled(material(p)); });
     const bool any_hit_culls = culling && !flags.cull_by_flag;
-    for (const Primitive& p : mesh.primitives) flags.opaque.push_back(material(p).alpha_mode == AlphaMode::Opaque && !(any_hit_culls && !material(p).double_sided));
+    for (const Primitive& p : mesh.primitives) flags.opaque.push_back(material(p).alpha_mode == AlphaMode::Opaque && !(any_hit_culls && !never_culled(material(p))));
     return flags;
 }
 

@@ -25,7 +25,9 @@ shared::TextureRef to_shared(const TextureRef& ref) {
 
 // The textures that shaders read. The others (occlusion, layers that are not drawn) stay on the host.
 constexpr TextureRef Material::*kDrawnTextures[] = {&Material::base_color_texture, &Material::metal_rough_texture, &Material::normal_texture,
-                                                    &Material::emissive_texture,   &Material::specular_texture,    &Material::specular_color_texture};
+                                                    &Material::emissive_texture,   &Material::specular_texture,    &Material::specular_color_texture,
+                                                    &Material::transmission_texture, &Material::clearcoat_texture, &Material::clearcoat_roughness_texture,
+                                                    &Material::clearcoat_normal_texture, &Material::sheen_color_texture, &Material::sheen_roughness_texture};
 
 std::unordered_set<Handle<Texture>> find_drawn_textures(const Scene& scene) {
     std::unordered_set<Handle<Texture>> out;
@@ -96,6 +98,22 @@ bool upload_image(Frame& frame, Slice& slice, ImageOnDevice& to, const std::func
     if (to.stored_levels < to.image.desc().mip_count) frame.make_mips(to.image);
     slice.take_bytes(kFixedCost);
     return true;
+}
+
+// What lies between the walls of a transmitting material (KHR_materials_volume): Beer and Lambert's coefficient, 1/m.
+glm::vec3 absorption(const Material& material) {
+    if (!std::isfinite(material.attenuation_distance)) return glm::vec3(0.0f);
+    constexpr float kDarkest = 1e-6f;  // a channel that lets nothing through has no logarithm
+    return -glm::log(glm::max(material.attenuation_color, kDarkest)) / material.attenuation_distance;
+}
+
+uint32_t material_flags(const Material& material) {
+    if (material.unlit) return shared::kMaterialUnlit;
+    uint32_t flags = 0;
+    if (material.transmission > 0.0f) flags |= shared::kMaterialTransmits | (material.thickness > 0.0f ? 0u : shared::kMaterialThin);
+    if (material.clearcoat > 0.0f) flags |= shared::kMaterialCoated;
+    if (material.sheen_color != glm::vec3(0.0f)) flags |= shared::kMaterialSheen;
+    return flags;
 }
 
 }  // namespace
@@ -172,6 +190,7 @@ void SceneGpu::State::make_textures() {
 void SceneGpu::State::make_materials() {
     if (!materials_stale) return;
     materials.assign(scene->materials().slot_count(), {});
+    features = 0;
     for (const auto& [handle, material] : scene->materials()) {
         shared::Material& row = materials[handle.index];
         row.base_color = material.base_color;
@@ -185,13 +204,28 @@ void SceneGpu::State::make_materials() {
         row.specular = material.specular;
         row.specular_color = material.specular_color;
         row.flags = (material.alpha_mode == AlphaMode::Mask ? shared::kAlphaMask : material.alpha_mode == AlphaMode::Blend ? shared::kAlphaBlend : shared::kAlphaOpaque) |
-                    (material.double_sided ? shared::kMaterialDoubleSided : 0) | (material.unlit ? shared::kMaterialUnlit : 0);
+                    (material.double_sided ? shared::kMaterialDoubleSided : 0) | material_flags(material);
+        if ((row.flags & (shared::kMaterialTransmits | shared::kMaterialCoated | shared::kMaterialSheen)) != 0) features |= shared::kSceneLayers;
+        if ((row.flags & shared::kMaterialThin) != 0) features |= shared::kScenePanes;
+        row.absorption = absorption(material);
+        row.priority = material.nested_priority;
+        row.coat = material.clearcoat;
+        row.coat_roughness = material.clearcoat_roughness;
+        row.coat_normal_scale = material.clearcoat_normal_scale;
+        row.sheen_color = material.sheen_color;
+        row.sheen_roughness = material.sheen_roughness;
         row.base_color_texture = to_shared(material.base_color_texture);
         row.metal_rough_texture = to_shared(material.metal_rough_texture);
         row.normal_texture = to_shared(material.normal_texture);
         row.emissive_texture = to_shared(material.emissive_texture);
         row.specular_texture = to_shared(material.specular_texture);
         row.specular_color_texture = to_shared(material.specular_color_texture);
+        row.transmission_texture = to_shared(material.transmission_texture);
+        row.coat_texture = to_shared(material.clearcoat_texture);
+        row.coat_roughness_texture = to_shared(material.clearcoat_roughness_texture);
+        row.coat_normal_texture = to_shared(material.clearcoat_normal_texture);
+        row.sheen_color_texture = to_shared(material.sheen_color_texture);
+        row.sheen_roughness_texture = to_shared(material.sheen_roughness_texture);
     }
     material_table = make_table("materials", std::span<const shared::Material>(materials));
     stats.materials = static_cast<uint32_t>(scene->materials().size());

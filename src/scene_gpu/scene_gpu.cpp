@@ -16,6 +16,7 @@ SceneGpu::SceneGpu(gpu::DevicePtr device, const SceneGpuOptions& options) : stat
 SceneGpu::~SceneGpu() = default;
 
 uint64_t SceneGpu::version() const { return state_->version; }
+uint32_t SceneGpu::features() const { return state_->features_shown; }
 const SceneGpuStats& SceneGpu::stats() const { return state_->stats; }
 const SceneBinding& SceneGpu::binding() const {
     PARHELION_CHECK(state_->published > 0, "the scene is not on the device yet: SceneGpu::update() has not said drawable");

@@ -62,6 +62,7 @@ public:
     // Grows whenever binding() begins to show another scene: samples of different versions do not belong into one film.
     uint64_t version() const;
     const SceneGpuStats& stats() const;
+    uint32_t features() const;  // shared::kScene...: what the shaders that draw binding() must know
 
     struct State;
 

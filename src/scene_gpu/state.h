@@ -100,6 +100,7 @@ struct SceneGpu::State {
     std::unordered_map<uint64_t, ImageOnDevice> images;  // by image_key()
     std::unordered_set<Handle<Texture>> drawn_textures;  // textures that shaders read; the others stay on the host
     std::vector<shared::Material> materials;        // by index of the handle
+    uint32_t features = 0, features_shown = 0;       // shared::kScene...: of the materials; of what was last published
     std::vector<shared::TextureEntry> texture_rows;  // by index of the handle
     gpu::Buffer material_table, texture_table;
     std::vector<std::pair<gpu::Image, gpu::Sampler>> slots;  // of set 0; the environment's is the last

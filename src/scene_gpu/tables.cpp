@@ -77,6 +77,7 @@ void SceneGpu::State::write_header(Frame& frame) {
     header.sun_count = static_cast<uint32_t>(sun_rows.size());
     header.emitter_count = static_cast<uint32_t>(emitters.size());
     header.culling = options.culling ? 1 : 0;
+    header.features = features_shown = features;
     header.environment = environment;
 
     const gpu::Buffer block(device, "scene/header", sizeof(header));

@@ -155,6 +155,9 @@ ViewDesc Job::describe_view(const CameraView& camera) const {
             .roulette_start = settings_.roulette_start,
             .light_sampling = static_cast<uint32_t>(settings_.light_sampling),
             .texture_lod = settings_.texture_lod,
+            .energy_compensation = settings_.energy_compensation == Switch::On,
+            .normal_correction = settings_.normal_correction == Switch::On,
+            .firefly_clamp = settings_.firefly_clamp,
             .aovs = options_.aovs};
 }
 

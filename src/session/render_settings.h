@@ -7,6 +7,7 @@
 namespace parhelion {
 
 enum class LightSampling : uint32_t { Mis, Light, Bsdf };
+enum class Switch : uint32_t { Off, On };
 enum class Culling : uint32_t { None, Gltf };
 
 struct RenderSettings {
@@ -17,6 +18,8 @@ struct RenderSettings {
     float infinite_share = 0.5f;
     float sun_elevation = 40.0f, sun_azimuth = 45.0f;  // degrees
     TextureLod texture_lod = TextureLod::Full;
+    Switch energy_compensation = Switch::On, normal_correction = Switch::On;
+    float firefly_clamp = 0.0f;
 };
 
 template <class V>
@@ -31,6 +34,12 @@ void visit(V&& v, RenderSettings& s) {
             "share of light samples for sky and directional lights where other lights exist too");
     v.field("texture.lod", s.texture_lod, choices({"full", "cone"}),
             "how finely textures are read: full resolution, or as finely as a pixel sees them (ray cones)");
+    v.field("bsdf.energy_compensation", s.energy_compensation, choices({"off", "on"}),
+            "light that rough surfaces scatter more than once between microfacets: lost, or added");
+    v.field("shading.normal_correction", s.normal_correction, choices({"off", "on"}),
+            "bend shading normals so that reflections stay above the real surface");
+    v.field("reference.firefly_clamp", s.firefly_clamp, range(0, 1e30),
+            "most nits that one contribution after the first scattering may add to a sample (biased); 0: no limit");
     v.field("sky.sun_elevation", s.sun_elevation, range(-18, 90), "degrees of the clear sky's sun above the horizon");
     v.field("sky.sun_azimuth", s.sun_azimuth, range(-360, 360), "degrees of the clear sky's sun from +Z towards +X");
 }

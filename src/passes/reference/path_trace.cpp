@@ -1,4 +1,5 @@
 #include "passes/reference/reference.h"
+#include "shared/scene.h"
 
 namespace parhelion::passes {
 
@@ -13,10 +14,15 @@ struct PathTraceDumpingPush {
     shared::Slice slice;
 };
 
+// Only scenes that need the layered materials pay for them.
+std::string variant(const SceneGpu& scene, std::string_view rest) {
+    return ((scene.features() & shared::kSceneLayers) != 0 ? "+LAYERS" : "") + std::string(rest);
+}
+
 }  // namespace
 
 void path_trace(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const Film& film, const shared::Slice& slice, bool ray_cones) {
-    frame.trace("reference/path_trace", way, ray_cones ? "+RAY_CONES" : "")
+    frame.trace("reference/path_trace", way, variant(scene, ray_cones ? "+RAY_CONES" : ""))
         .scene(scene.binding())
         .read("view", film.view)
         .read_write("block", film.block)
@@ -26,7 +32,7 @@ void path_trace(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const Fi
 }
 
 void path_trace_dumping(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const Film& film, const shared::Slice& slice, const gpu::Buffer& dump) {
-    frame.trace("reference/path_trace", way, "+DUMP_RAYS")
+    frame.trace("reference/path_trace", way, variant(scene, "+DUMP_RAYS"))
         .scene(scene.binding())
         .read("view", film.view)
         .read_write("block", film.block)

@@ -27,11 +27,17 @@ layout(push_constant, scalar) uniform Push {
 void main() {
     const uint i = gl_GlobalInvocationID.x;
     if (i >= push.count) return;
-    const Bsdf bsdf = make_bsdf(push.base_color, push.metallic, push.roughness, push.ior, push.specular, push.specular_color);
+    BsdfParameters p;
+    p.base_color = push.base_color;
+    p.metallic = push.metallic;
+    p.roughness = push.roughness;
+    p.ior = push.ior;
+    p.specular = push.specular;
+    p.specular_color = push.specular_color;
+    const Bsdf bsdf = make_bsdf(p, vec3(0.0, 0.0, 1.0), false, 0ul);
     const vec3 given = push.inputs.v[i];
-    BsdfSample s = BsdfSample(given, vec3(0.0), 0.0, kLobeNone);
+    BsdfSample s = BsdfSample(given, kNoBsdfValue, 0.0, kLobeNone);
     if (push.kind == 0u) s = sample_bsdf(bsdf, push.wo, given.x, given.yz);
     const BsdfValue value = eval_bsdf(bsdf, push.wo, s.wi), swapped = eval_bsdf(bsdf, s.wi, push.wo);
-    push.results.v[i] = BsdfResult(s.wi, s.weight, s.pdf, s.lobe, value.diffuse + value.specular, pdf_bsdf_solid_angle(bsdf, push.wo, s.wi),
-                                   swapped.diffuse + swapped.specular);
+    push.results.v[i] = BsdfResult(s.wi, total(s.weight), s.pdf, s.lobe, total(value), pdf_bsdf_solid_angle(bsdf, push.wo, s.wi), total(swapped));
 }

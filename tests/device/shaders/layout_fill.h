@@ -35,6 +35,7 @@ struct LayoutStructs {
 };
 
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(uint) v) { v = n++; }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(int) v) { v = int(n++); }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(float) v) { v = float(n++); }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(uint64_t) v) { v = uint64_t(n) << 32 | uint64_t(n + 7u); ++n; }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(vec2) v) { for (int i = 0; i < 2; ++i) v[i] = float(n++); }
@@ -55,7 +56,9 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(TextureEntry) v) { F(slot
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(TextureRef) v) { F(texture) F(uv_set) F(row0) F(row1) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Material) v) {
     F(base_color) F(emission) F(metallic) F(roughness) F(normal_scale) F(alpha_cutoff) F(ior) F(transmission) F(specular) F(specular_color) F(flags)
+    F(absorption) F(priority) F(coat) F(coat_roughness) F(coat_normal_scale) F(sheen_color) F(sheen_roughness)
     F(base_color_texture) F(metal_rough_texture) F(normal_texture) F(emissive_texture) F(specular_texture) F(specular_color_texture)
+    F(transmission_texture) F(coat_texture) F(coat_roughness_texture) F(coat_normal_texture) F(sheen_color_texture) F(sheen_roughness_texture)
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Emitter) v) {
     F(kind) F(instance) F(geometry) F(triangle_count) F(triangle_table) F(position_ws) F(direction_ws) F(intensity) F(cos_inner) F(cos_outer) F(opening)
@@ -67,12 +70,12 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Environment) v) {
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(SceneHeader) v) {
     F(instances) F(geometries) F(materials) F(textures) F(geometry_emitters) F(emitters) F(emitter_table) F(triangle_tables) F(environment_table)
     F(bottom_nodes) F(bottom_triangles) F(top_nodes) F(top_items) F(top_nodes_before) F(top_items_before) F(sobol) F(blue_noise)
-    F(suns) F(emitter_count) F(sun_count) F(culling) F(environment)
+    F(bsdf_tables) F(suns) F(emitter_count) F(sun_count) F(culling) F(features) F(environment)
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Hit) v) { F(instance_bits) F(geometry) F(primitive) F(barycentrics) F(t) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Camera) v) { F(position_ws) F(right_ws) F(up_ws) F(forward_ws) F(orthographic) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(ViewData) v) {
-    F(camera) F(camera_before) F(width) F(height) F(seed) F(sampler_kind) F(max_bounces) F(pixel_filter) F(roulette_start) F(light_sampling)
+    F(camera) F(camera_before) F(width) F(height) F(seed) F(sampler_kind) F(max_bounces) F(pixel_filter) F(roulette_start) F(light_sampling) F(flags) F(firefly_clamp)
     F(pixel_width) F(pixel_spread)
     for (uint i = 0u; i < kFilmGroupCount; ++i) F(channel[i])
     F(channel_count)
