@@ -18,12 +18,13 @@ struct Section {
 };
 constexpr Section kSections[] = {
     {"ggx", tables::make_ggx, parhelion::shared::kGgxWords},
+    {"layers", tables::make_layers, parhelion::shared::kLayersWords},
 };
 
-bool write(const Section& section, const std::string& folder) {
+bool write(const Section& section) {
     const tables::Words words = section.make();
     if (words.size() != section.words) return std::fprintf(stderr, "%s: %zu words, %zu are declared\n", section.name, words.size(), section.words), false;
-    std::ofstream out(folder + "/bsdf_" + section.name + ".bin", std::ios::binary);
+    std::ofstream out(tables::folder + "/bsdf_" + section.name + ".bin", std::ios::binary);
     for (const uint32_t word : words)
         for (int shift = 0; shift < 32; shift += 8) out.put(static_cast<char>(word >> shift));
     return static_cast<bool>(out.flush());
@@ -33,10 +34,11 @@ bool write(const Section& section, const std::string& folder) {
 
 int main(int argc, char** argv) {
     if (argc < 2) return std::fprintf(stderr, "usage: make_bsdf_tables FOLDER [SECTION...]\n"), 2;
+    tables::folder = argv[1];
     for (const Section& section : kSections) {
         bool wanted = argc == 2;
         for (int k = 2; k < argc; ++k) wanted |= std::string(argv[k]) == section.name;
-        if (wanted && !write(section, argv[1])) return 1;
+        if (wanted && !write(section)) return 1;
     }
     return 0;
 }

@@ -1,8 +1,18 @@
 #include "tables.h"
 
 #include <bit>
+#include <fstream>
+#include <iterator>
 
 namespace tables {
+
+Words read_section(const char* name) {
+    std::ifstream in(folder + "/bsdf_" + name + ".bin", std::ios::binary);
+    const std::string bytes((std::istreambuf_iterator<char>(in)), {});
+    Words words(bytes.size() / 4);
+    for (size_t i = 0; i < words.size() * 4; ++i) words[i / 4] |= uint32_t(static_cast<unsigned char>(bytes[i])) << 8 * (i % 4);
+    return words;
+}
 
 uint32_t pack(double low, double high) {
     const auto unorm = [](double v) { return static_cast<uint32_t>(std::lround(std::fmin(std::fmax(v, 0.0), 1.0) * 65535)); };

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -12,8 +13,13 @@ namespace tables {
 
 using Words = std::vector<uint32_t>;
 
+inline std::string folder;  // of the files
+
+Words read_section(const char* name);  // a section that is written already
+
 // The sections.
 Words make_ggx();
+Words make_layers();  // reads what make_ggx() wrote
 
 inline double square(double x) { return x * x; }
 inline double schlick(double cosine) { return square(square(1 - cosine)) * (1 - cosine); }
