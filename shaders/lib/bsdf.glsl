@@ -59,9 +59,6 @@ struct BsdfSample {
     uint lobe;         // that was drawn; kLobeNone: absorbed
 };
 
-// Below this perceptual roughness surfaces are exact mirrors and clear glass: GGX lobes with alpha < 0.0009 are narrower than a pixel.
-const float kDeltaRoughness = 0.03;
-
 // Below this perceptual roughness the lobe is as narrow as single precision resolves.
 const float kMinAlpha = 1e-3;
 
