@@ -22,12 +22,11 @@ struct Glass {
     float specular;  // scales the reflectance, except where it is total
     bool thin;       // a wall without thickness: what crosses is mirrored, not refracted
     bool delta;      // smooth: directions are exact. What a smooth wall lets pass straight is pane_transmittance(), not of the triple
-    // What microfacets scatter more than once (0 and 1 where that is left out).
+    // What microfacets scatter more than once.
+    bool compensated;
     uint64_t tables;
-    float loss;                              // of light from wo
-    float average_loss, average_loss_beyond; // over the hemispheres, of light from wo's side and from the other
-    float crossing;                          // share of it that crosses
-    float once_share;                        // share of samples that are scattered once
+    float average_loss, average_loss_beyond;  // over the hemispheres, of light from wo's side and from the other
+    float crossing;                           // share of it that crosses
 };
 
 struct GlassSample {
@@ -54,6 +53,7 @@ float glass_reflectance(Glass g, float cos_o) {
 
 // What rough glass scatters more than once of light from this cosine, on wo's side or beyond: 1 - the albedo.
 float glass_loss(Glass g, float cosine, bool beyond) {
+    if (!g.compensated) return 0.0;
     if (g.thin || g.eta == 0.0) return ggx_albedo(g.tables, cosine, g.roughness).x;  // both sides together return what a mirror does
     return glass_table(g.tables, cosine, g.roughness, beyond ? 1.0 / g.eta : g.eta, g.specular);
 }
@@ -62,15 +62,17 @@ float glass_average_loss(Glass g, bool beyond) {
     return glass_average_table(g.tables, g.roughness, beyond ? 1.0 / g.eta : g.eta, g.specular);
 }
 
-// What a sample returns in the mean, for choosing among lobes: about the reflectance at the surface's own normal. Without the square
-// of the index.
-vec3 glass_once_albedo(Glass g, float cos_o) {
+// Luminance of what is scattered once and more than once, about: for the choice between lobes. Without the square of the index, and
+// without what a smooth wall lets pass straight.
+float glass_once_albedo(Glass g, float cos_o, float loss) {
     const float reflectance = glass_reflectance(g, cos_o);
-    if (g.thin && g.delta) return vec3(reflectance);
-    return (1.0 - g.loss) * (reflectance + (1.0 - reflectance) * g.tint);
+    return (1.0 - loss) * (reflectance + (g.thin && g.delta ? 0.0 : (1.0 - reflectance) * luminance(g.tint)));
 }
-vec3 glass_more_albedo(Glass g) { return g.loss * (1.0 - g.crossing + g.crossing * g.tint); }
-vec3 glass_albedo(Glass g, float cos_o) { return glass_once_albedo(g, cos_o) + glass_more_albedo(g); }
+float glass_more_albedo(Glass g, float loss) { return loss * (1.0 - g.crossing + g.crossing * luminance(g.tint)); }
+float glass_albedo(Glass g, float cos_o) {
+    const float loss = glass_loss(g, cos_o, false);
+    return glass_once_albedo(g, cos_o, loss) + glass_more_albedo(g, loss);
+}
 
 // Kulla and Conty 2017, "Revisiting Physically Based Shading at Imageworks": light that is scattered more than once leaves as from
 // Lambert lobes on both sides, in proportion to what the microfacets lose in each direction (l, averages L):
@@ -78,19 +80,16 @@ vec3 glass_albedo(Glass g, float cos_o) { return glass_once_albedo(g, cos_o) + g
 // Whatever a is, both together return l(o). Reciprocity of what crosses, f / n_o^2 equal in both directions, asks for
 // a L n_o^2 = a' L' n_i^2: so a is L' eta^2 times something symmetric. We take the most that keeps both shares within 1, times
 // Fresnel's mean transmittance from the rarer side: a = t min(1, L' eta^2 / L), a' = t min(1, L / (L' eta^2)). A wall has L = L'.
-void compensate_glass(inout Glass g, float cos_o) {
-    g.loss = glass_loss(g, cos_o, false);
+void compensate_glass(inout Glass g) {
     g.average_loss = max(glass_average_loss(g, false), 1e-8);
     g.average_loss_beyond = g.thin ? g.average_loss : max(glass_average_loss(g, true), 1e-8);
     const float n = max(g.eta, 1.0 / g.eta), mean_reflectance = (n - 1.0) / (4.08567 + 1.00071 * n);  // Kulla and Conty's fit
     g.crossing = (1.0 - g.specular * mean_reflectance) * (g.thin ? 1.0 : min(1.0, g.average_loss_beyond * g.eta * g.eta / g.average_loss));
     if (g.eta == 0.0) g.crossing = 0.0;
-    const float once = luminance(glass_once_albedo(g, cos_o)), more = luminance(glass_more_albedo(g));
-    g.once_share = more > 0.0 ? once / (once + more) : 1.0;
 }
 
-// `cos_o` is wo's, `tables` the address of the directional albedos, of no matter without `compensate`.
-Glass make_glass(vec3 tint, float roughness, float eta, float specular, bool thin, bool compensate, float cos_o, uint64_t tables) {
+// `tables` is the address of the directional albedos, of no matter without `compensate`.
+Glass make_glass(vec3 tint, float roughness, float eta, float specular, bool thin, bool compensate, uint64_t tables) {
     const bool matched = abs(eta - 1.0) < kMatchedIndices, opaque = !(eta > 1e-3 && eta < 1e3);  // an index of 0: KHR_materials_ior
     Glass g;
     g.tint = tint;
@@ -100,10 +99,10 @@ Glass make_glass(vec3 tint, float roughness, float eta, float specular, bool thi
     g.specular = specular;
     g.thin = thin;
     g.delta = roughness < kDeltaRoughness || (matched && !thin);
+    g.compensated = compensate && !g.delta;
     g.tables = tables;
-    g.loss = g.average_loss = g.average_loss_beyond = g.crossing = 0.0;
-    g.once_share = 1.0;
-    if (compensate && !g.delta) compensate_glass(g, cos_o);
+    g.average_loss = g.average_loss_beyond = g.crossing = 0.0;
+    if (g.compensated) compensate_glass(g);
     return g;
 }
 
@@ -176,22 +175,27 @@ float crossing_share(Glass g) {
     return crossing / max(1.0 - g.crossing + crossing, 1e-20);
 }
 
-// What is scattered more than once: compensate_glass().
-GlassTerms glass_more(Glass g, vec3 wo, vec3 wi) {
+// Share of samples that are scattered once.
+float glass_once_share(Glass g, float cos_o, float loss) {
+    const float once = glass_once_albedo(g, cos_o, loss), more = glass_more_albedo(g, loss);
+    return more > 0.0 ? once / (once + more) : 1.0;
+}
+
+// What is scattered more than once, `loss` of the light from wo: compensate_glass().
+GlassTerms glass_more(Glass g, float loss, vec3 wi) {
     const bool crosses = wi.z < 0.0;
-    const float cos_i = abs(wi.z), lobe = g.loss * glass_loss(g, cos_i, crosses) * cos_i / kPi, pdf = cos_i / kPi, share = crossing_share(g);
+    const float cos_i = abs(wi.z), lobe = loss * glass_loss(g, cos_i, crosses) * cos_i / kPi, pdf = cos_i / kPi, share = crossing_share(g);
     if (!crosses) return GlassTerms(vec3((1.0 - g.crossing) * lobe / g.average_loss), (1.0 - share) * pdf);
     return GlassTerms(g.tint * (g.crossing * lobe / (g.average_loss_beyond * (g.thin ? 1.0 : g.eta * g.eta))), share * pdf);
 }
 
 GlassTerms glass_terms(Glass g, vec3 wo, vec3 wi) {
     if (g.delta || wo.z <= 0.0 || wi.z == 0.0 || (g.eta == 0.0 && wi.z < 0.0)) return kNoGlassTerms;
-    GlassTerms terms = glass_once(g, wo, wi);
-    if (g.loss > 0.0) {
-        const GlassTerms more = glass_more(g, wo, wi);
-        terms = GlassTerms(terms.value + more.value, g.once_share * terms.pdf + (1.0 - g.once_share) * more.pdf);
-    }
-    return terms;
+    const GlassTerms once = glass_once(g, wo, wi);
+    const float loss = glass_loss(g, wo.z, false);
+    if (loss == 0.0) return once;
+    const GlassTerms more = glass_more(g, loss, wi);
+    return GlassTerms(once.value + more.value, mix(more.pdf, once.pdf, glass_once_share(g, wo.z, loss)));
 }
 vec3 eval_glass(Glass g, vec3 wo, vec3 wi) { return glass_terms(g, wo, wi).value; }
 float pdf_glass_solid_angle(Glass g, vec3 wo, vec3 wi) { return glass_terms(g, wo, wi).pdf; }
@@ -221,12 +225,13 @@ vec3 sample_glass_once(Glass g, vec3 wo, float u_side, vec2 u) {
 // u_lobe picks the lobe and the side, u the direction.
 GlassSample sample_glass(Glass g, vec3 wo, float u_lobe, vec2 u) {
     if (g.delta) return sample_smooth_glass(g, wo, u_lobe);
+    const float share = glass_once_share(g, wo.z, glass_loss(g, wo.z, false));
     vec3 wi;
-    if (u_lobe < g.once_share) {
-        wi = sample_glass_once(g, wo, u_lobe / g.once_share, u);
+    if (u_lobe < share) {
+        wi = sample_glass_once(g, wo, u_lobe / share, u);
     } else {
         wi = sample_cosine_hemisphere(u);
-        if (u_lobe - g.once_share < (1.0 - g.once_share) * crossing_share(g)) wi.z = -wi.z;
+        if (u_lobe - share < (1.0 - share) * crossing_share(g)) wi.z = -wi.z;
     }
     const GlassTerms terms = glass_terms(g, wo, wi);
     return terms.pdf > 0.0 ? GlassSample(wi, terms.value / terms.pdf, terms.pdf) : GlassSample(vec3(0.0), vec3(0.0), 0.0);

@@ -30,9 +30,7 @@ layout(push_constant, scalar) uniform Push {
     uint kind, count;
 } push;
 
-Glass glass_of(GlassInput g, float eta, float cos_o) {
-    return make_glass(g.tint, g.roughness, eta, g.specular, g.thin != 0u, g.compensate != 0u, cos_o, uint64_t(push.tables));
-}
+Glass glass_of(GlassInput g, float eta, bool compensate) { return make_glass(g.tint, g.roughness, eta, g.specular, g.thin != 0u, compensate, uint64_t(push.tables)); }
 
 // Point n of a sequence with low discrepancy in three dimensions (powers of the inverse of the root of x^4 = x + 1).
 vec3 point(uint n) {
@@ -46,7 +44,7 @@ void main() {
     const uint i = gl_GlobalInvocationID.x;
     if (i >= push.count) return;
     const GlassInput g = push.inputs.v[i];
-    const Glass glass = glass_of(g, g.eta, g.wo.z);
+    const Glass glass = glass_of(g, g.eta, g.compensate != 0u);
     GlassResult r;
     r.delta = uint(glass.delta);
     r.reflected = vec3(glass_reflectance(glass, g.wo.z));
@@ -56,7 +54,7 @@ void main() {
     if (push.kind == 2u) {
         r.reflected = r.transmitted = vec3(0.0);
         const float index2 = glass.thin ? 1.0 : glass.eta * glass.eta;
-        const Glass once = make_glass(g.tint, g.roughness, g.eta, g.specular, g.thin != 0u, false, g.wo.z, 0ul);
+        const Glass once = glass_of(g, g.eta, false);
         const uint samples = uint(g.given.x);
         for (uint n = 0u; n < samples; ++n) {
             const vec3 u = point(n);
@@ -64,11 +62,12 @@ void main() {
             if (s.wi.z > 0.0) r.reflected += s.weight / float(samples);
             if (s.wi.z < 0.0) r.transmitted += s.weight * index2 / float(samples);
         }
-        for (uint n = 0u; n < kRings && glass.loss > 0.0; ++n) {  // rings of equal steps in the fourth root of the cosine
+        const float loss = glass_loss(glass, g.wo.z, false);
+        for (uint n = 0u; n < kRings && loss > 0.0; ++n) {  // rings of equal steps in the fourth root of the cosine
             const float x = (float(n) + 0.5) / float(kRings), z = x * x * x * x, width = 2.0 * kPi * 4.0 * x * x * x / float(kRings);
             const vec3 wi = vec3(sqrt(1.0 - z * z), 0.0, z);
-            r.reflected += glass_more(glass, g.wo, wi).value * width;
-            r.transmitted += glass_more(glass, g.wo, -wi).value * (index2 * width);
+            r.reflected += glass_more(glass, loss, wi).value * width;
+            r.transmitted += glass_more(glass, loss, -wi).value * (index2 * width);
         }
     }
     r.wi = s.wi;
@@ -77,7 +76,7 @@ void main() {
     r.value = eval_glass(glass, g.wo, s.wi);
     r.pdf_again = pdf_glass_solid_angle(glass, g.wo, s.wi);
     const float side = s.wi.z < 0.0 ? -1.0 : 1.0;
-    const Glass there = glass_of(g, side < 0.0 && !glass.thin ? 1.0 / g.eta : g.eta, s.wi.z * side);
+    const Glass there = glass_of(g, side < 0.0 && !glass.thin ? 1.0 / g.eta : g.eta, g.compensate != 0u);
     r.value_swapped = eval_glass(there, vec3(s.wi.xy, s.wi.z * side), vec3(g.wo.xy, g.wo.z * side));
     push.results.v[i] = r;
 }
