@@ -153,4 +153,56 @@ TEST_F(BsdfTest, a_smooth_surface_is_an_exact_mirror) {
     }
 }
 
+// Any material in range, any direction: numbers that a picture can hold.
+TEST_F(BsdfTest, no_input_in_range_gives_anything_but_numbers) {
+    std::mt19937 random(23);
+    const auto unit = [&] { return static_cast<float>(random() >> 8) * 0x1p-24f; };
+    const auto one_of = [&](std::initializer_list<float> values) { return values.begin()[random() % values.size()]; };
+    const auto color = [&] { return glm::vec3(one_of({0, 1, unit()}), one_of({0, 1, unit()}), one_of({0, 1, unit()})); };
+    const auto anywhere = [&] { return direction(one_of({1e-6f, 1e-4f, unit(), 1}), 6.2831853 * unit()); };
+    std::vector<BsdfSurface> surfaces(4096);
+    std::vector<BsdfInput> draws, looks;
+    for (uint32_t k = 0; k < surfaces.size(); ++k) {
+        BsdfSurface& s = surfaces[k];
+        s.base_color = color(), s.specular_color = color() * one_of({1, 20}), s.sheen_color = color() * one_of({0, 0, 1});
+        s.metallic = one_of({0, 1, unit()}), s.roughness = one_of({0, 0.02f, 0.03f, 0.031f, 1, unit()}), s.ior = one_of({0, 1, 1.5f, 1 + 2 * unit()}), s.specular = one_of({0, 1, unit()});
+        s.transmission = one_of({0, 1, unit()}), s.thin = random() % 2, s.compensate = random() % 2;
+        s.eta = s.ior == 0 || random() % 2 ? s.ior : 1 / s.ior;
+        s.coat = one_of({0, 1, unit()}), s.coat_roughness = one_of({0, 0.03f, 1, unit()}), s.sheen_roughness = one_of({0, 1, unit()});
+        if (random() % 4 == 0) s.coat_normal = direction(0.3 + 0.7 * unit(), 6 * unit());
+        for (int n = 0; n < 8; ++n) {
+            draws.push_back({k, anywhere(), {unit(), unit(), unit()}});
+            looks.push_back({k, anywhere(), anywhere() * glm::vec3(1, 1, random() % 4 == 0 ? -1 : 1)});
+        }
+    }
+    const auto check = [&](const std::vector<BsdfResult>& results, const std::vector<BsdfInput>& inputs) {
+        for (size_t k = 0; k < results.size(); ++k) {
+            const BsdfResult& r = results[k];
+            const BsdfSurface& s = surfaces[inputs[k].surface];
+            SCOPED_TRACE(fmt::format("metallic {}, roughness {}, ior {}, specular {}, transmission {}, eta {}, thin {}, coat {} of roughness {}, sheen {} of roughness {}, cosine {} to {}", s.metallic,
+                                     s.roughness, s.ior, s.specular, s.transmission, s.eta, s.thin, s.coat, s.coat_roughness, s.sheen_color.x, s.sheen_roughness, inputs[k].wo.z, r.wi.z));
+            for (int c = 0; c < 3; ++c) {
+                ASSERT_TRUE(std::isfinite(r.weight[c]) && r.weight[c] >= 0) << r.weight[c];
+                ASSERT_TRUE(std::isfinite(r.value[c]) && r.value[c] >= 0) << r.value[c];
+            }
+            ASSERT_TRUE(std::isfinite(r.pdf) && std::isfinite(r.pdf_again) && r.pdf_again >= 0);
+            if (r.lobe != kLobeNone) ASSERT_NEAR(glm::length(r.wi), 1.0f, 1e-4f);
+        }
+    };
+    check(run(Sample, surfaces, draws), draws);
+    check(run(Evaluate, surfaces, looks), looks);
+}
+
+// The coat's own normal turns its mirror, and nothing else.
+TEST_F(BsdfTest, a_coat_with_its_own_normal_reflects_about_it) {
+    const glm::vec3 wo = direction(0.8, 0.4), n = glm::normalize(glm::vec3(0.2f, -0.1f, 1.0f)), there = 2 * glm::dot(wo, n) * n - wo;
+    uint32_t mirrored = 0;
+    for (const BsdfResult& r : sample({.base_color = kBrown, .coat_normal = n, .specular = 0, .coat = 1}, wo, 4096)) {
+        if (r.pdf >= 0) continue;
+        ++mirrored;
+        ASSERT_LE(glm::length(r.wi - there), 1e-6f);
+    }
+    EXPECT_GT(mirrored, 4096u / 12);
+}
+
 }  // namespace parhelion::testing
