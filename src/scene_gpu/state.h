@@ -125,7 +125,7 @@ struct SceneGpu::State {
     // tables.cpp
     std::vector<RowSource> tables;
     uint64_t table_rows_done = 0;
-    gpu::Buffer sampler_tables;
+    gpu::Buffer sampler_tables, bsdf_tables;
     SceneBinding binding;
     SceneGpuStats stats;
 
