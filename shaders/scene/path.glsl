@@ -177,9 +177,8 @@ vec3 shading_normal(ViewData view, vec3 n_shading, vec3 n_geometric, vec3 wo) {
 // One sample of one pixel.
 PathRadiance trace_path(ViewData view, uvec2 pixel, uint sample_index, inout FirstHit first) {
     PathSampler samples = make_sampler(pixel, sample_index, view.seed, view.sampler_kind, scene.header.sobol, scene.header.blue_noise);
-    const vec2 jitter = view.pixel_filter == kFilterPoint ? vec2(0.5) : next_2d(samples);
     PathState path;
-    path.ray = camera_ray(view.camera, vec2(pixel) + jitter, vec2(view.width, view.height), hash_ray(pixel, sample_index, view.seed, 0u, kRayPath));
+    path.ray = sample_camera_ray(view, pixel, samples, hash_ray(pixel, sample_index, view.seed, 0u, kRayPath));
     path.throughput = vec3(1.0);
     path.pdf = -1.0;
     path.bounce = 0u;
@@ -197,6 +196,7 @@ PathRadiance trace_path(ViewData view, uvec2 pixel, uint sample_index, inout Fir
             break;
         }
         Surface s = fetch_surface(hit, path.ray, path.cone);
+        s.integer_offset = (view.flags & kViewIntegerOffset) != 0u;
         add_emission(path, s, view.light_sampling);
         if (path.bounce == 0u) first = FirstHit(s.scattering.base_color, s.n_shading_ws * (s.front_facing ? 1.0 : -1.0), s.emission, s.scattering.roughness);
         if (path.bounce >= view.max_bounces) break;
