@@ -3,6 +3,7 @@
 #ifndef PARHELION_SCENE_PANES_GLSL
 #define PARHELION_SCENE_PANES_GLSL
 #include "scene/surface.glsl"
+#include "shared/view.h"
 
 bool is_pane(BsdfParameters p) { return p.thin && p.transmission > 0.0 && p.roughness < kDeltaRoughness; }
 
@@ -19,13 +20,14 @@ Ray pass_through(Ray ray, Surface s) {
 }
 
 // What of a light's radiance arrives over a shadow ray. Refracting glass blocks it.
-vec3 trace_light(Ray ray) {
+vec3 trace_light(ViewData view, Ray ray) {
     if (!kLayers || (scene.header.features & kScenePanes) == 0u) return vec3(trace_visible(ray, kNow));
     vec3 passing = vec3(1.0);
     while (max_component(passing) > 0.0) {
         const Hit hit = trace_closest(ray);
         if (is_miss(hit)) return passing;
-        const Surface s = fetch_surface(hit, ray, kNoCone);
+        Surface s = fetch_surface(hit, ray, kNoCone);
+        s.integer_offset = (view.flags & kViewIntegerOffset) != 0u;
         passing *= pane_transmittance(s, ray.direction_ws);
         ray = pass_through(ray, s);
     }
