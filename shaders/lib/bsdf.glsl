@@ -80,7 +80,7 @@ Bsdf make_bsdf(BsdfParameters p, vec3 coat_normal, bool compensate, uint64_t tab
     bsdf.base = make_glossy(p.base_color * opaque, p.base_color, p.metallic, dielectric_f0, p.specular, opaque, p.roughness, compensate, tables);
 #ifdef LAYERS
     bsdf.glass_weight = (1.0 - p.metallic) * transmission;
-    if (bsdf.glass_weight > 0.0) bsdf.glass = make_glass(p.base_color, p.roughness, p.eta, p.specular, p.thin);
+    if (bsdf.glass_weight > 0.0) bsdf.glass = make_glass(p.base_color, p.roughness, p.eta, p.specular, p.thin, compensate, tables);
     bsdf.inside = transmission > 0.0 && !p.thin && p.eta < 1.0;
     bsdf.layers = make_layers(bsdf.base, p.coat, p.coat_roughness, coat_normal, p.sheen_color, p.sheen_roughness, compensate, tables);
 #endif

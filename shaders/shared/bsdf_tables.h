@@ -39,10 +39,22 @@ SHARED_CONST uint kSheenOverLossAt = kCoatOverLossAt + kLayerBelow * kLayerRough
 SHARED_CONST uint kCoatOverSheenAt = kSheenOverLossAt + kLayerBelow * kLayerRoughness;
 SHARED_CONST uint kLayersWords = kCoatOverSheenAt + kLayerMu * kLayerRoughness * kLayerRoughness - kSheenAlbedoAt;
 
-SHARED_CONST uint kBsdfTableWords = kGgxWords + kLayersWords;
-
 // The clear coat's reflectance at normal incidence (KHR_materials_clearcoat: index 1.5).
 SHARED_CONST float kCoatF0 = 0.04f;
+
+// ---- bsdf_glass.bin: what rough glass scatters more than once, reflected and refracted light together ----
+// 1 - the albedo (without the square of the index): (with all of Fresnel's reflectance, with none but where it is total). Over
+//   mu          fourth root of the cosine: towards grazing it is as cos^Lambda(the other side)
+//   roughness   square root of the perceptual
+//   index       square root of r / kGlassMaxReflection, r = (n - 1) / (n + 1) of the denser over the rarer side
+//   side        light from the rarer side, light from the denser one
+SHARED_CONST uint kGlassMu = 48u, kGlassRoughness = 48u, kGlassIndices = 32u;
+SHARED_CONST float kGlassMaxReflection = 0.5f;  // n = 3
+SHARED_CONST uint kGlassLossAt = kGgxAt + kGgxWords + kLayersWords;
+SHARED_CONST uint kGlassAverageAt = kGlassLossAt + 2u * kGlassMu * kGlassRoughness * kGlassIndices;  // the same averaged over 2 cos: two floats each
+SHARED_CONST uint kGlassWords = 2u * kGlassMu * kGlassRoughness * kGlassIndices + 4u * kGlassRoughness * kGlassIndices;
+
+SHARED_CONST uint kBsdfTableWords = kGgxWords + kLayersWords + kGlassWords;
 
 SHARED_END
 #endif
