@@ -49,7 +49,7 @@ struct BsdfValue {
     vec3 diffuse, specular, transmission;
 };
 vec3 total(BsdfValue value) { return value.diffuse + value.specular + value.transmission; }
-BsdfValue scale(BsdfValue value, float by) { return BsdfValue(value.diffuse * by, value.specular * by, value.transmission * by); }
+BsdfValue scale(BsdfValue value, vec3 by) { return BsdfValue(value.diffuse * by, value.specular * by, value.transmission * by); }
 const BsdfValue kNoBsdfValue = BsdfValue(vec3(0.0), vec3(0.0), vec3(0.0));
 
 struct BsdfSample {
@@ -58,6 +58,9 @@ struct BsdfSample {
     float pdf;         // per solid angle, of all lobes together; < 0: a delta lobe, which no light sample finds
     uint lobe;         // that was drawn; kLobeNone: absorbed
 };
+
+// Below this perceptual roughness surfaces are exact mirrors and clear glass: GGX lobes with alpha < 0.0009 are narrower than a pixel.
+const float kDeltaRoughness = 0.03;
 
 // Below this perceptual roughness the lobe is as narrow as single precision resolves.
 const float kMinAlpha = 1e-3;
@@ -128,7 +131,10 @@ BsdfSample sample_bsdf(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u) {
         result.lobe = kLobeNone;
         return result;
     }
-    result.weight = scale(eval_bsdf(bsdf, wo, result.wi), 1.0 / result.pdf);
+    result.weight = scale(eval_bsdf(bsdf, wo, result.wi), vec3(1.0 / result.pdf));
     return result;
 }
+
+// What passes straight through a smooth thin wall (no part of the lobes above, see scene/panes.glsl).
+vec3 thin_transmittance(BsdfParameters p, float cos_o, uint64_t tables) { return vec3(0.0); }
 #endif

@@ -46,10 +46,11 @@ float pdf_light_area(uint emitter, uint triangle, float double_area_ws) {
     return alias_pmf(scene.header.emitter_table, emitter) * alias_pmf(table, triangle) * 2.0 / max(double_area_ws, 1e-30);
 }
 
-// Density per solid angle with which a light hit by a ray (a surface s at distance s.t along wi) would have been sampled.
-float pdf_light(uint emitter, Surface s, vec3 wi) {
+// Density per solid angle with which a light hit by a ray (a surface s, `distance` metres along wi from the shaded point) would have
+// been sampled.
+float pdf_light(uint emitter, Surface s, float distance, vec3 wi) {
     const float cosine = abs(dot(s.n_geometric_ws, wi));
-    return cosine > 0.0 ? pdf_light_area(emitter, s.primitive, s.double_area_ws) * s.t * s.t / cosine : 0.0;
+    return cosine > 0.0 ? pdf_light_area(emitter, s.primitive, s.double_area_ws) * distance * distance / cosine : 0.0;
 }
 float pdf_light_environment(vec3 wi) {
     return alias_pmf(scene.header.emitter_table, scene.header.environment.emitter) * pdf_environment_solid_angle(wi);

@@ -20,6 +20,7 @@ struct Surface {
     vec3 n_coat_ws;       // unit, the clear coat's shading normal, on the front side (LAYERS)
     vec3 emission;        // nits towards the ray's origin
     uint instance, geometry, primitive, material;  // geometry: of the mesh
+    bool integer_offset;  // rays leave it by offset_origin_integer()
     float double_area_ws; // twice the triangle's area, square metres
 };
 
@@ -32,10 +33,17 @@ vec2 interpolate(vec3 weights, vec2 a, vec2 b, vec2 c) {
     return v;
 }
 
+// Where textures are read.
+struct TexturePoint {
+    vec2 uv0, uv1;
+    TextureFootprint footprint;
+};
+vec4 fetch_texture(TextureRef ref, TexturePoint at) { return fetch_texture(ref, at.uv0, at.uv1, at.footprint, vec4(1.0)); }
+
 // Tangent-space normal from a normal map: xy scaled, z rebuilt. Falls back to the vertex normal where tangents degenerate.
-vec3 apply_normal_map(Material material, vec2 uv0, vec2 uv1, TextureFootprint footprint, vec3 n, vec4 tangent) {
-    if (material.normal_texture.texture == kNone || dot(tangent.xyz, tangent.xyz) < 1e-6) return n;
-    precise const vec2 xy = (fetch_texture(material.normal_texture, uv0, uv1, footprint, vec4(0.5)).xy * 2.0 - 1.0) * material.normal_scale;
+vec3 apply_normal_map(TextureRef map, float map_scale, TexturePoint at, vec3 n, vec4 tangent) {
+    if (map.texture == kNone || dot(tangent.xyz, tangent.xyz) < 1e-6) return n;
+    precise const vec2 xy = (fetch_texture(map, at).xy * 2.0 - 1.0) * map_scale;
     precise const vec3 along = tangent.xyz - n * precise_dot(n, tangent.xyz);
     precise const vec3 t = precise_normalize(along);
     precise const vec3 b = precise_cross(n, t) * tangent.w;
@@ -49,6 +57,27 @@ float double_area_uv(vec2 a, vec2 b, vec2 c) {
     return abs(e1.x * e2.y - e1.y * e2.x);
 }
 
+// The parts of the material that only scenes with LAYERS have.
+void fetch_layers(Material material, TexturePoint at, vec3 n_vertex_ws, vec4 tangent_ws, inout Surface s) {
+    s.n_coat_ws = n_vertex_ws;
+    s.scattering.transmission = 0.0;
+    s.scattering.thin = (material.flags & kMaterialThin) != 0u;
+    s.scattering.eta = material.ior;
+    s.scattering.coat = 0.0;
+    s.scattering.sheen_color = vec3(0.0);
+    // Index 0 stands for a surface that reflects everything.
+    if ((material.flags & kMaterialTransmits) != 0u && material.ior > 0.0) s.scattering.transmission = material.transmission * fetch_texture(material.transmission_texture, at).r;
+    if ((material.flags & kMaterialCoated) != 0u) {
+        s.scattering.coat = material.coat * fetch_texture(material.coat_texture, at).r;
+        s.scattering.coat_roughness = material.coat_roughness * fetch_texture(material.coat_roughness_texture, at).g;
+        s.n_coat_ws = apply_normal_map(material.coat_normal_texture, material.coat_normal_scale, at, n_vertex_ws, tangent_ws);
+    }
+    if ((material.flags & kMaterialSheen) != 0u) {
+        s.scattering.sheen_color = material.sheen_color * fetch_texture(material.sheen_color_texture, at).rgb;
+        s.scattering.sheen_roughness = material.sheen_roughness * fetch_texture(material.sheen_roughness_texture, at).a;
+    }
+}
+
 // `cone` is the ray's: how finely textures are read. Nothing else of the surface depends on it.
 Surface fetch_surface(Hit hit, Ray ray, RayCone cone) {
     precise Surface s;
@@ -59,6 +88,7 @@ Surface fetch_surface(Hit hit, Ray ray, RayCone cone) {
     const Geometry geometry = scene_geometry(instance.geometry_base + hit.geometry);
     const Material material = scene_material(geometry.material);
     s.material = geometry.material;
+    s.integer_offset = false;
 
     const uvec3 index = IndexArray(geometry.indices).v[hit.primitive];
     PositionArray positions = PositionArray(geometry.positions);
@@ -98,18 +128,22 @@ Surface fetch_surface(Hit hit, Ray ray, RayCone cone) {
     const vec3 n_world = transform_normal(instance.object_from_world, n_object);
     s.n_shading_ws = precise_dot(n_world, n_world) > 0.0 ? precise_normalize(n_world) : s.n_geometric_ws;
     const vec3 tangent = transform_vector(instance.world_from_object, interpolate(weights, a0.tangent.xyz, a1.tangent.xyz, a2.tangent.xyz));
-    s.n_shading_ws = apply_normal_map(material, uv0, uv1, footprint, s.n_shading_ws, vec4(tangent, a0.tangent.w * winding));
+    const TexturePoint at = TexturePoint(uv0, uv1, footprint);
+    const vec3 n_vertex_ws = s.n_shading_ws;
+    const vec4 tangent_ws = vec4(tangent, a0.tangent.w * winding);
+    s.n_shading_ws = apply_normal_map(material.normal_texture, material.normal_scale, at, n_vertex_ws, tangent_ws);
 
     const vec3 vertex_color = interpolate(weights, unpackUnorm4x8(a0.color).rgb, unpackUnorm4x8(a1.color).rgb, unpackUnorm4x8(a2.color).rgb);
-    s.scattering.base_color = material.base_color.rgb * vertex_color * fetch_texture(material.base_color_texture, uv0, uv1, footprint, vec4(1.0)).rgb;
-    const vec4 metal_rough = fetch_texture(material.metal_rough_texture, uv0, uv1, footprint, vec4(1.0));
+    s.scattering.base_color = material.base_color.rgb * vertex_color * fetch_texture(material.base_color_texture, at).rgb;
+    const vec4 metal_rough = fetch_texture(material.metal_rough_texture, at);
     s.scattering.metallic = clamp(material.metallic * metal_rough.b, 0.0, 1.0);
     s.scattering.roughness = clamp(material.roughness * metal_rough.g, 0.0, 1.0);
     s.scattering.ior = material.ior;
-    s.scattering.specular = material.specular * fetch_texture(material.specular_texture, uv0, uv1, footprint, vec4(1.0)).a;
-    s.scattering.specular_color = material.specular_color * fetch_texture(material.specular_color_texture, uv0, uv1, footprint, vec4(1.0)).rgb;
+    s.scattering.specular = material.specular * fetch_texture(material.specular_texture, at).a;
+    s.scattering.specular_color = material.specular_color * fetch_texture(material.specular_color_texture, at).rgb;
+    if (kLayers) fetch_layers(material, at, n_vertex_ws, tangent_ws, s);
     const bool emits = s.front_facing || (material.flags & kMaterialDoubleSided) != 0u;
-    s.emission = emits ? material.emission * fetch_texture(material.emissive_texture, uv0, uv1, footprint, vec4(1.0)).rgb : vec3(0.0);
+    s.emission = emits ? material.emission * fetch_texture(material.emissive_texture, at).rgb : vec3(0.0);
     if ((material.flags & kMaterialUnlit) != 0u) {  // shown as it is, not lit (KHR_materials_unlit); no light to sample, paths that meet it see it
         s.emission = s.scattering.base_color;
         s.scattering.base_color = vec3(0.0);
@@ -119,8 +153,9 @@ Surface fetch_surface(Hit hit, Ray ray, RayCone cone) {
     return s;
 }
 
-// A ray from the surface towards w that cannot meet the surface itself.
+// A ray from the surface towards w that cannot meet the surface itself (with integer_offset: seldom).
 Ray spawn_ray(Surface s, vec3 w, float t_max, uint alpha_key) {
-    return Ray(offset_origin(s.position_ws, s.position_error, s.n_geometric_ws, w), 0.0, w, t_max, alpha_key);
+    const vec3 origin = s.integer_offset ? offset_origin_integer(s.position_ws, s.n_geometric_ws, w) : offset_origin(s.position_ws, s.position_error, s.n_geometric_ws, w);
+    return Ray(origin, 0.0, w, t_max, alpha_key);
 }
 #endif

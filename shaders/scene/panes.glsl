@@ -1,0 +1,36 @@
+// Thin smooth walls (glass panes) let light pass straight, so they take no part in the choice of directions: a path decides at the
+// wall whether it passes, as at a partly transparent one, and keeps its density; shadow rays pass weighted. Both see the same share.
+#ifndef PARHELION_SCENE_PANES_GLSL
+#define PARHELION_SCENE_PANES_GLSL
+#include "scene/surface.glsl"
+#include "shared/view.h"
+
+bool is_pane(BsdfParameters p) { return p.thin && p.transmission > 0.0 && p.roughness < kDeltaRoughness; }
+
+// What passes straight, from either side: both normals are looked at as they are, so that a path and a shadow ray agree.
+vec3 pane_transmittance(Surface s, vec3 direction_ws) {
+    return is_pane(s.scattering) ? thin_transmittance(s.scattering, abs(dot(s.n_shading_ws, direction_ws)), scene.header.bsdf_tables) : vec3(0.0);
+}
+
+// The ray behind a surface that it passes.
+Ray pass_through(Ray ray, Surface s) {
+    Ray behind = spawn_ray(s, ray.direction_ws, ray.t_max, ray.alpha_key);
+    if (ray.t_max < kInfinity) behind.t_max = max(ray.t_max - distance(behind.origin_ws, ray.origin_ws), 0.0);
+    return behind;
+}
+
+// What of a light's radiance arrives over a shadow ray. Refracting glass blocks it.
+vec3 trace_light(ViewData view, Ray ray) {
+    if (!kLayers || (scene.header.features & kScenePanes) == 0u) return vec3(trace_visible(ray, kNow));
+    vec3 passing = vec3(1.0);
+    while (max_component(passing) > 0.0) {
+        const Hit hit = trace_closest(ray);
+        if (is_miss(hit)) return passing;
+        Surface s = fetch_surface(hit, ray, kNoCone);
+        s.integer_offset = (view.flags & kViewIntegerOffset) != 0u;
+        passing *= pane_transmittance(s, ray.direction_ws);
+        ray = pass_through(ray, s);
+    }
+    return vec3(0.0);
+}
+#endif
