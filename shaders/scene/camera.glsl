@@ -2,7 +2,7 @@
 #ifndef PARHELION_SCENE_CAMERA_GLSL
 #define PARHELION_SCENE_CAMERA_GLSL
 #include "lib/geometry.glsl"
-#include "scene/trace.glsl"
+#include "scene/ray.glsl"
 #include "shared/view.h"
 
 // The same bits in every way to trace. The ray through a film position in pixels (x to the right, y down, pixel centres at .5).
