@@ -4,9 +4,18 @@
 
 const float kPi = 3.14159265358979;
 
+// Below this perceptual roughness surfaces are exact mirrors and clear glass: GGX lobes with alpha < 0.0009 are narrower than a pixel.
+const float kDeltaRoughness = 0.03;
+
 float ggx_distribution(float cos_h, float alpha) {
     const float a2 = alpha * alpha;
     const float d = (cos_h * a2 - cos_h) * cos_h + 1.0;
+    return a2 / (kPi * d * d);
+}
+
+// The same from the microfacet's normal, exact for narrow lobes too, where the sine says more than the cosine.
+float ggx_distribution(vec3 h, float alpha) {
+    const float a2 = alpha * alpha, d = dot(h.xy, h.xy) + a2 * h.z * h.z;
     return a2 / (kPi * d * d);
 }
 

@@ -3,6 +3,7 @@
 #ifndef PARHELION_SCENE_PANES_GLSL
 #define PARHELION_SCENE_PANES_GLSL
 #include "scene/surface.glsl"
+#include "shared/view.h"
 
 bool is_pane(BsdfParameters p) { return p.thin && p.transmission > 0.0 && p.roughness < kDeltaRoughness; }
 

@@ -11,9 +11,8 @@ void note_ray(Ray ray, uint kind);
 
 PathState begin_path(ViewData view, PathKey key) {
     PathSampler samples = make_sampler(key.pixel, key.sample_index, key.seed, view.sampler_kind, scene.header.sobol, scene.header.blue_noise);
-    const vec2 jitter = view.pixel_filter == kFilterPoint ? vec2(0.5) : next_2d(samples);
     PathState path;
-    path.ray = camera_ray(view.camera, vec2(key.pixel) + jitter, vec2(view.width, view.height), alpha_key(key, 0u, kRayPath));
+    path.ray = sample_camera_ray(view, key.pixel, samples, alpha_key(key, 0u, kRayPath));
     path.throughput = vec3(1.0);
     path.pdf = -1.0;
     path.travelled = 0.0;
@@ -48,7 +47,7 @@ PathRadiance trace_path(ViewData view, uvec2 pixel, uint sample_index, inout Fir
         add_arriving(radiance, path_class, vertex.arriving);
         if (vertex.event.exists) {
             note_ray(vertex.event.ray, kRayShadow);
-            const vec3 passing = trace_light(vertex.event.ray);
+            const vec3 passing = trace_light(view, vertex.event.ray);
             add_sampled(radiance, path_class, scale(vertex.event.value, passing));
         }
     } while (vertex.goes_on);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "renderers/camera_motion.h"
 
 namespace parhelion {
 
@@ -52,7 +53,6 @@ void set_pixel_cone(shared::ViewData& data) {
 
 View::View(gpu::DevicePtr device, const ViewDesc& desc) : device_(std::move(device)), desc_(desc) {
     check_aovs(desc.aovs);
-    data_.camera = data_.camera_before = desc.camera;
     data_.width = desc.width;
     data_.height = desc.height;
     data_.seed = desc.seed;
@@ -61,9 +61,11 @@ View::View(gpu::DevicePtr device, const ViewDesc& desc) : device_(std::move(devi
     data_.pixel_filter = static_cast<uint32_t>(desc.filter);
     data_.roulette_start = desc.roulette_start;
     data_.light_sampling = desc.light_sampling;
-    data_.flags = (desc.energy_compensation ? shared::kViewEnergyCompensation : 0) | (desc.normal_correction ? shared::kViewNormalCorrection : 0);
+    data_.flags = (desc.energy_compensation ? shared::kViewEnergyCompensation : 0) | (desc.normal_correction ? shared::kViewNormalCorrection : 0) |
+                  (desc.spawn_offset == SpawnOffset::Integer ? shared::kViewIntegerOffset : 0);
     data_.firefly_clamp = desc.firefly_clamp;
-    set_pixel_cone(data_);
+    place_camera();
+    data_.camera_before = data_.camera;
     for (const FilmGroup& group : film_groups()) {
         const bool wanted = group.group == shared::kFilmBeauty || std::ranges::any_of(desc.aovs, [&](const std::string& aov) { return is_asked_for(group, aov); });
         data_.channel[group.group] = wanted ? data_.channel_count : shared::kNoChannel;
@@ -84,11 +86,21 @@ View::View(gpu::DevicePtr device, const ViewDesc& desc) : device_(std::move(devi
              .channel_count = data_.channel_count};
 }
 
-void View::set_camera(const shared::Camera& camera) {
-    data_.camera_before = data_.camera;
-    data_.camera = camera;
-    desc_.camera = camera;
+void View::place_camera() {
+    data_.camera = desc_.camera;
+    data_.flags &= ~shared::kViewShutter;
+    if (desc_.camera_at_close) {
+        data_.motion = camera_motion(desc_.camera, *desc_.camera_at_close);
+        data_.flags |= shared::kViewShutter;
+    }
     set_pixel_cone(data_);
+}
+
+void View::set_camera(const shared::Camera& camera, const std::optional<shared::Camera>& at_close) {
+    data_.camera_before = data_.camera;
+    desc_.camera = camera;
+    desc_.camera_at_close = at_close;
+    place_camera();
     upload_ = true;
     clear_film();
 }

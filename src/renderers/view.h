@@ -1,6 +1,7 @@
 #pragma once
 // A view: one camera's picture of a scene, with its film. Several views may look at one scene.
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -14,6 +15,7 @@ namespace parhelion {
 
 enum class SamplerKind : uint32_t { Owen, Cranley, Pcg, White };
 enum class PixelFilter : uint32_t { Box, Point };
+enum class SpawnOffset : uint32_t { ErrorBounds, Integer };  // how rays leave surfaces: shaders/lib/geometry.glsl
 enum class TextureLod : uint32_t { Full, Cone };  // the finest level everywhere; by ray cones (alpha tests and light samples at the finest)
 
 enum class ShadeIn : uint32_t { Raygen, ClosestHit };  // where the pipeline way shades the vertices of paths
@@ -29,6 +31,7 @@ std::span<const FilmGroup> film_groups();  // in order of shared::kFilm...
 struct ViewDesc {
     uint32_t width = 1280, height = 720;
     shared::Camera camera{};
+    std::optional<shared::Camera> camera_at_close;  // where it stands when its shutter closes; none: it is still
     uint32_t seed = 0;
     uint32_t max_bounces = 16;  // scatterings of a path; 0xFFFFFFFF: unlimited
     SamplerKind sampler = SamplerKind::Owen;
@@ -39,6 +42,7 @@ struct ViewDesc {
     ShadeIn shade_in = ShadeIn::Raygen;
     bool energy_compensation = true;  // what microfacets scatter more than once is not lost
     bool normal_correction = true;    // shading normals are bent so that reflections leave the surface
+    SpawnOffset spawn_offset = SpawnOffset::ErrorBounds;
     float firefly_clamp = 0.0f;       // nits that one contribution after the first scattering may add; 0: no limit
     std::vector<std::string> aovs;  // film groups besides the beauty
 };
@@ -62,8 +66,9 @@ public:
     const passes::Film& film() const { return film_; }
     const std::vector<std::string>& channels() const { return channels_; }
 
-    // The camera of the coming frames; the one until now becomes the previous one. Clears the film.
-    void set_camera(const shared::Camera& camera);
+    // The camera of the coming frames, and where it stands when its shutter closes (none: it is still); the one until now becomes the
+    // previous one. Clears the film.
+    void set_camera(const shared::Camera& camera, const std::optional<shared::Camera>& at_close = {});
     // Uploads what changed and clears the film where that was asked for; the first passes of a frame.
     void prepare(Frame& frame);
     void clear_film() { clear_ = true, accumulation_.samples = 0; }
@@ -81,6 +86,8 @@ public:
     RayCounts read_rays(Frame& frame) const;
 
 private:
+    void place_camera();
+
     gpu::DevicePtr device_;
     ViewDesc desc_;
     passes::Film film_;

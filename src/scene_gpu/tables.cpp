@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include "sampling/blue_noise.h"
 #include "sampling/sobol.h"
+#include "scene_gpu/bsdf_tables.h"
 #include "scene_gpu/state.h"
 
 namespace parhelion {
@@ -9,6 +10,7 @@ namespace parhelion {
 // The scene as it is now. What is unchanged stays where it is.
 void SceneGpu::State::make_tables() {
     make_sampler_tables();
+    if (!bsdf_tables) bsdf_tables = make_table("bsdf_tables", bsdf_table_words());
     make_materials();
     make_environment();
     make_textures();
@@ -73,6 +75,7 @@ void SceneGpu::State::write_header(Frame& frame) {
     header.top_items_before = address(past.items);
     header.sobol = address(sampler_tables);
     header.blue_noise = address(sampler_tables) + sampling::sobol_table().size() * sizeof(uint32_t);
+    header.bsdf_tables = address(bsdf_tables);
     header.suns = address(suns);
     header.sun_count = static_cast<uint32_t>(sun_rows.size());
     header.emitter_count = static_cast<uint32_t>(emitters.size());
@@ -92,7 +95,7 @@ void SceneGpu::State::write_header(Frame& frame) {
                .textures = {},
                .accels = {}};
     for (const gpu::Buffer& buffer : {block, geometry_table, material_table, texture_table, instance_table, emitter_table, emitter_alias, triangle_alias, geometry_emitters,
-                                      environment_alias, suns, sampler_tables, bottom_nodes.buffer(), bottom_triangles.buffer(), now.nodes, now.items, past.nodes, past.items})
+                                      environment_alias, suns, sampler_tables, bsdf_tables, bottom_nodes.buffer(), bottom_triangles.buffer(), now.nodes, now.items, past.nodes, past.items})
         if (buffer) binding.buffers.push_back(buffer);
     for (const auto& [key, image] : images)
         if (image.wanted) binding.textures.push_back(image.image);

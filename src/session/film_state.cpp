@@ -15,9 +15,10 @@ uint64_t hash_render(const Scene& scene, const ViewDesc& view, const RenderSetti
         .add(view.seed)
         .add(view.max_bounces)
         .add(view.filter);
-    for (const glm::vec3& v : {view.camera.position_ws, view.camera.right_ws, view.camera.up_ws, view.camera.forward_ws})
-        hasher.add(v.x).add(v.y).add(v.z);
-    hasher.add(view.camera.orthographic);
+    for (const shared::Camera& camera : {view.camera, view.camera_at_close.value_or(view.camera)}) {
+        for (const glm::vec3& v : {camera.position_ws, camera.right_ws, camera.up_ws, camera.forward_ws}) hasher.add(v.x).add(v.y).add(v.z);
+        hasher.add(camera.orthographic).add(camera.lens_radius).add(camera.focus_distance);
+    }
     return hasher.value();
 }
 

@@ -9,6 +9,7 @@
 #include "base/log.h"
 #include "renderers/reference.h"
 #include "scene/load.h"
+#include "session/camera_setup.h"
 #include "session/film_state.h"
 #include "session/metering.h"
 #include "session/pictures.h"
@@ -92,7 +93,7 @@ private:
     void open_device();
     void set_up();
     bool bring_in_scene();
-    ViewDesc describe_view(const CameraView& camera) const;
+    ViewDesc describe_view() const;
     void resume();
     void render();
     [[noreturn]] void rethrow_with_checkpoint(const Error& error) const;
@@ -112,7 +113,7 @@ private:
     gpu::DevicePtr device_;
     Clock::time_point began_;
     LoadedScene loaded_;
-    CameraView camera_;
+    MovingCamera camera_;
     gpu::TraceWay way_ = gpu::TraceWay::Compute;
     std::unique_ptr<SceneGpu> scene_gpu_;
     std::unique_ptr<Frame> frame_;
@@ -127,7 +128,7 @@ void Job::load() {
     const auto begin = Clock::now();
     loaded_ = load_scene(options_.scene, options_.load);
     add_light(loaded_.scene, options_, sky_options(settings_));
-    camera_ = choose_camera(loaded_.scene, options_, report_.camera);
+    camera_ = set_up_camera(loaded_, options_, settings_.culling == Culling::Gltf, report_.camera);
     report_.scene = options_.scene;
     report_.triangles = count_triangles(loaded_.scene);
     report_.instances = loaded_.scene.instances().size();
@@ -147,11 +148,12 @@ void Job::open_device() {
     log(LogLevel::Info, "device {} ({}), traces by {}", escape_name(report_.device), escape_name(report_.driver), report_.trace);
 }
 
-ViewDesc Job::describe_view(const CameraView& camera) const {
+ViewDesc Job::describe_view() const {
     const float aspect = static_cast<float>(options_.size.width) / static_cast<float>(options_.size.height);
     return {.width = options_.size.width,
             .height = options_.size.height,
-            .camera = shader_camera(camera, aspect),
+            .camera = shader_camera(camera_.opens, aspect),
+            .camera_at_close = camera_.closes ? std::optional(shader_camera(*camera_.closes, aspect)) : std::nullopt,
             .seed = options_.seed,
             .max_bounces = options_.max_bounces == 0 ? 0xFFFFFFFFu : options_.max_bounces,
             .sampler = settings_.sampler,
@@ -162,6 +164,7 @@ ViewDesc Job::describe_view(const CameraView& camera) const {
             .shade_in = settings_.shade_in,
             .energy_compensation = settings_.energy_compensation == Switch::On,
             .normal_correction = settings_.normal_correction == Switch::On,
+            .spawn_offset = settings_.spawn_offset,
             .firefly_clamp = settings_.firefly_clamp,
             .aovs = options_.aovs};
 }
@@ -176,7 +179,7 @@ void Job::set_up() {
                                                                      .own_bvh = !hardware});
     scene_gpu_->sync(loaded_.scene);
     if (!bring_in_scene()) return;
-    const ViewDesc desc = describe_view(camera_);
+    const ViewDesc desc = describe_view();
     view_ = std::make_unique<View>(device_, desc);
     view_->prepare(*frame_);
     frame_->run();

@@ -70,7 +70,13 @@ const OptionSpec kOptions[] = {
     {.name = "--fps", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "F",
      .help = "frames per second of the scene's clock; 0 holds time", .min = 0, .max = 1e6, .bits = kAbsent},
     {.name = "--camera-path", .section = "Camera and time", .commands = kRender, .kind = ValueKind::File, .value = "F.json",
-     .help = "move the camera along a path", .bits = kAbsent},
+     .help = "a camera that moves along the keys of a file (docs/camera.md); --time says where on it", .exclusive = kViewpoint},
+    {.name = "--aperture-radius", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "METRES",
+     .fallback = "0", .help = "radius of a thin lens: what lies before or behind its focus blurs; 0 is a pinhole", .max = 1e3},
+    {.name = "--focus-distance", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "METRES",
+     .help = "depth at which the lens is sharp (default: of what lies in the picture's middle)", .min = 1e-6, .max = 1e9},
+    {.name = "--shutter", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "SECONDS", .fallback = "0",
+     .help = "how long the shutter stays open from --time on: the camera moves meanwhile, objects stand still", .max = 1e6},
 
     // Scene
     {.name = "--time", .section = "Scene", .commands = kTakesScene, .kind = ValueKind::Number, .value = "T", .fallback = "0",

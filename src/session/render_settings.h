@@ -20,6 +20,7 @@ struct RenderSettings {
     float sun_elevation = 40.0f, sun_azimuth = 45.0f;  // degrees
     TextureLod texture_lod = TextureLod::Full;
     Switch energy_compensation = Switch::On, normal_correction = Switch::On;
+    SpawnOffset spawn_offset = SpawnOffset::ErrorBounds;
     float firefly_clamp = 0.0f;
 };
 
@@ -41,6 +42,8 @@ void visit(V&& v, RenderSettings& s) {
             "light that rough surfaces scatter more than once between microfacets: lost, or added");
     v.field("shading.normal_correction", s.normal_correction, choices({"off", "on"}),
             "bend shading normals so that reflections stay above the real surface");
+    v.field("reference.spawn_offset", s.spawn_offset, choices({"error_bounds", "integer"}),
+            "how rays leave surfaces: moved by bounds of the rounding errors, or by fixed numbers of roundings (document 002)");
     v.field("reference.firefly_clamp", s.firefly_clamp, range(0, 1e30),
             "most nits that one contribution after the first scattering may add to a sample (biased); 0: no limit");
     v.field("sky.sun_elevation", s.sun_elevation, range(-18, 90), "degrees of the clear sky's sun above the horizon");

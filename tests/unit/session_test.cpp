@@ -187,9 +187,12 @@ TEST(SceneHash, the_render_hash_covers_the_view_and_the_settings) {
     add([](ViewDesc& view, RenderSettings&) { view.filter = PixelFilter::Point; });
     add([](ViewDesc& view, RenderSettings&) { view.camera.position_ws.x += 0.5f; });
     add([](ViewDesc& view, RenderSettings&) { view.camera.orthographic = 1; });
+    add([](ViewDesc& view, RenderSettings&) { view.camera.lens_radius = 0.5f; });
+    add([](ViewDesc& view, RenderSettings&) { view.camera.focus_distance = 0.5f; });
+    add([](ViewDesc& view, RenderSettings&) { view.camera_at_close = shared::Camera{.position_ws = glm::vec3(1.0f)}; });
     add([](ViewDesc&, RenderSettings& settings) { settings.sampler = SamplerKind::Pcg; });
     add([](ViewDesc&, RenderSettings& settings) { settings.infinite_share = 0.25f; });
-    EXPECT_EQ(hashes.size(), 9u);
+    EXPECT_EQ(hashes.size(), 12u);
 }
 
 TEST(Metering, a_grey_card_gives_its_textbook_exposure) {

@@ -1,0 +1,150 @@
+// Surfaces of dielectrics that light crosses: rough and smooth glass, and walls without thickness. A triple sample / pdf / eval in
+// the shading frame (z = normal on the side of wo): a direction with z < 0 is on the other side. Walter et al. 2007, "Microfacet
+// Models for Refraction through Rough Surfaces". Values are of radiance: what crosses carries the factor (1 / eta)^2, so that
+// f(wo, wi) / n_o^2 = f(wi, wo) / n_i^2 (Veach 1997, 5.2).
+#ifndef PARHELION_LIB_GLASS_GLSL
+#define PARHELION_LIB_GLASS_GLSL
+#include "lib/color.glsl"
+#include "lib/microfacet.glsl"
+#include "lib/warp.glsl"
+#include "shared/types.h"
+
+// Indices that differ by less than this share are one: a rough boundary between them would bend light by less than single
+// precision can tell.
+const float kMatchedIndices = 1e-3;
+
+struct Glass {
+    vec3 tint;       // of the light that crosses
+    float alpha;     // GGX width
+    float eta;       // index of refraction beyond over that on wo's side
+    float specular;  // scales the reflectance, except where it is total
+    bool thin;       // a wall without thickness: what crosses is mirrored, not refracted
+    bool delta;      // smooth: directions are exact. What a smooth wall lets pass straight is pane_transmittance(), not of the triple
+};
+
+struct GlassSample {
+    vec3 wi;      // wi.z < 0: the light crosses the surface
+    vec3 weight;  // f cos / pdf
+    float pdf;    // per solid angle; < 0: a delta lobe, its weight is over the probability of that lobe; 0: absorbed
+};
+
+Glass make_glass(vec3 tint, float roughness, float eta, float specular, bool thin) {
+    Glass g;
+    const bool matched = abs(eta - 1.0) < kMatchedIndices;
+    g.tint = tint;
+    g.alpha = roughness * roughness;
+    g.eta = matched ? 1.0 : eta;
+    g.specular = specular;
+    g.thin = thin;
+    g.delta = roughness < kDeltaRoughness || (matched && !thin);
+    return g;
+}
+
+// Fresnel's reflectance for unpolarised light from the cosines of both directions to the normal: the same for both, and exactly so.
+float fresnel_dielectric(float cos_o, float cos_i, float eta) {
+    const float s = (cos_o - eta * cos_i) / (cos_o + eta * cos_i), p = (eta * cos_o - cos_i) / (eta * cos_o + cos_i);
+    return 0.5 * (s * s + p * p);
+}
+
+// Cosine of the refracted direction times eta; 0 where reflection is total (Snell).
+float refracted_eta_cosine(float cos_o, float eta) { return sqrt(max((eta - 1.0) * (eta + 1.0) + cos_o * cos_o, 0.0)); }
+
+// Reflectance of a microfacet, or of a smooth surface. Total reflection does not depend on `specular` (KHR_materials_specular).
+float glass_reflectance(Glass g, float cos_o) {
+    if (g.eta == 1.0) return 0.0;
+    const float eta_cos_i = refracted_eta_cosine(cos_o, g.eta);
+    return eta_cos_i == 0.0 ? 1.0 : g.specular * fresnel_dielectric(cos_o, eta_cos_i / g.eta, g.eta);
+}
+
+// What passes straight through a smooth wall without thickness. KHR_materials_transmission: one boundary's reflectance, tinted once.
+vec3 pane_transmittance(Glass g, float cos_o) {
+    return g.thin && g.delta ? g.tint * (1.0 - glass_reflectance(g, cos_o)) : vec3(0.0);
+}
+
+// Share of samples that are reflected where `reflectance` is.
+float reflected_share(Glass g, float reflectance) {
+    return reflectance / max(reflectance + (1.0 - reflectance) * luminance(g.tint), 1e-20);
+}
+
+// Masking and shadowing of directions on opposite sides, correlated by height: B(1 + a, 1 + b) with the Lambda of both. With
+// U uniform (the share of the surface below), light escapes upwards with U^a and downwards with (1 - U)^b: their product's mean is
+// Euler's beta function (Heitz et al. 2016, "Multiple-Scattering Microfacet BSDFs with the Smith Model"). It is symmetric, and at
+// most 1 / (1 + a) / (1 + b), the uncorrelated form. By Stirling's series for 2 + a, 2 + b, within 1e-5; logarithms are arranged so
+// that it stays so where one Lambda is large.
+float ggx_masking_across(float lambda_a, float lambda_b) {
+    const float large = 2.0 + max(lambda_a, lambda_b), small = 2.0 + min(lambda_a, lambda_b), sum = large + small, ratio = small / large;
+    const float w = ratio / (2.0 + ratio), w2 = w * w;
+    const float log1p_ratio = 2.0 * w * (1.0 + w2 * (1.0 / 3.0 + w2 * (1.0 / 5.0 + w2 * (1.0 / 7.0 + w2 * (1.0 / 9.0 + w2 / 11.0)))));
+    const vec3 r = 1.0 / vec3(large, small, sum), r2 = r * r;
+    const vec3 stirling = r * (1.0 / 12.0 - r2 * (1.0 / 360.0 - r2 / 1260.0));
+    const float beta = 2.5066283 * sqrt(sum * r.x * r.y) * exp(small * log(ratio) - sum * log1p_ratio + stirling.x + stirling.y - stirling.z);
+    return beta * ((sum - 2.0) / (small - 1.0)) * ((sum - 1.0) / (large - 1.0));
+}
+
+// Smallest cosine to the normal for which masking is told apart (ggx_lambda).
+const float kMinCosine = 1e-6;
+
+struct GlassTerms {
+    vec3 value;  // times |cos|
+    float pdf;
+};
+const GlassTerms kNoGlassTerms = GlassTerms(vec3(0.0), 0.0);
+
+// Reflection, and what crosses a wall: the reflected direction mirrored to the other side, with the share that is not reflected.
+GlassTerms glass_mirrored(Glass g, vec3 wo, vec3 wi) {
+    const float cos_o = max(wo.z, kMinCosine), cos_i = max(abs(wi.z), kMinCosine);
+    const vec3 h = normalize(wo + vec3(wi.xy, abs(wi.z)));
+    const float reflectance = glass_reflectance(g, dot(wo, h)), share = reflected_share(g, reflectance);
+    const float d = ggx_distribution(h, g.alpha), lobe = d * ggx_visibility(cos_i, cos_o, g.alpha) * cos_i;
+    const float pdf = d / ((1.0 + ggx_lambda(cos_o, g.alpha)) * 4.0 * cos_o);
+    if (wi.z > 0.0) return GlassTerms(vec3(reflectance * lobe), share * pdf);
+    return GlassTerms(g.tint * ((1.0 - reflectance) * lobe), (1.0 - share) * pdf);
+}
+
+// Walter et al. 2007, (16), (17), (21), with wo + eta wi along the microfacet's normal.
+GlassTerms glass_refracted(Glass g, vec3 wo, vec3 wi) {
+    const vec3 along = wo + g.eta * wi;
+    const float length2 = dot(along, along);
+    const vec3 h = along * ((along.z < 0.0 ? -1.0 : 1.0) * inversesqrt(length2));
+    const float cos_oh = dot(wo, h), cos_ih = -dot(wi, h);
+    if (cos_oh <= 0.0 || cos_ih <= 0.0) return kNoGlassTerms;
+    const float reflectance = g.specular * fresnel_dielectric(cos_oh, cos_ih, g.eta);
+    const float cos_o = max(wo.z, kMinCosine), lambda_o = ggx_lambda(cos_o, g.alpha), lambda_i = ggx_lambda(max(-wi.z, kMinCosine), g.alpha);
+    const float common_terms = (ggx_distribution(h, g.alpha) / cos_o) * (cos_oh * cos_ih / length2);
+    return GlassTerms(g.tint * ((1.0 - reflectance) * common_terms * ggx_masking_across(lambda_o, lambda_i)),
+                      (1.0 - reflected_share(g, reflectance)) * common_terms * g.eta * g.eta / (1.0 + lambda_o));
+}
+
+GlassTerms glass_terms(Glass g, vec3 wo, vec3 wi) {
+    if (g.delta || wo.z <= 0.0 || wi.z == 0.0) return kNoGlassTerms;
+    return wi.z < 0.0 && !g.thin ? glass_refracted(g, wo, wi) : glass_mirrored(g, wo, wi);
+}
+vec3 eval_glass(Glass g, vec3 wo, vec3 wi) { return glass_terms(g, wo, wi).value; }
+float pdf_glass_solid_angle(Glass g, vec3 wo, vec3 wi) { return glass_terms(g, wo, wi).pdf; }
+
+// Refracted at a normal on wo's side; not where reflection is total.
+vec3 refract_glass(Glass g, vec3 wo, vec3 h) {
+    const float cos_oh = dot(wo, h);
+    return normalize((cos_oh - refracted_eta_cosine(cos_oh, g.eta)) * h - wo);
+}
+
+// A smooth surface reflects or refracts; a smooth wall reflects only (what passes is decided before).
+GlassSample sample_smooth_glass(Glass g, vec3 wo, float u_lobe) {
+    const float reflectance = glass_reflectance(g, wo.z), share = g.thin ? 1.0 : reflected_share(g, reflectance);
+    if (u_lobe < share) return GlassSample(vec3(-wo.xy, wo.z), vec3(reflectance / share), -1.0);
+    return GlassSample(refract_glass(g, wo, vec3(0.0, 0.0, 1.0)), g.tint * ((1.0 - reflectance) / ((1.0 - share) * g.eta * g.eta)), -1.0);
+}
+
+// u_lobe picks the side, u the direction.
+GlassSample sample_glass(Glass g, vec3 wo, float u_lobe, vec2 u) {
+    if (g.delta) return sample_smooth_glass(g, wo, u_lobe);
+    const GlassSample absorbed = GlassSample(vec3(0.0), vec3(0.0), 0.0);
+    const vec3 h = sample_vndf_ggx(wo, g.alpha, u);
+    const bool crosses = u_lobe >= reflected_share(g, glass_reflectance(g, dot(wo, h)));
+    vec3 wi = crosses && !g.thin ? refract_glass(g, wo, h) : reflect(-wo, h);
+    if (crosses && g.thin) wi.z = -wi.z;
+    if (crosses != wi.z < 0.0) return absorbed;
+    const GlassTerms terms = glass_terms(g, wo, wi);
+    return terms.pdf > 0.0 ? GlassSample(wi, terms.value / terms.pdf, terms.pdf) : absorbed;
+}
+#endif

@@ -1,0 +1,48 @@
+// Directional albedos that the BSDF looks up: one array of 32-bit words, section after section. tools/bsdf_tables writes a file for
+// each section (src/scene_gpu/bsdf_*.bin, little endian), once, by hand: every machine has the very same numbers.
+//
+// A table has a point on both ends of each axis; the first axis named lies closest in memory. Axes are uniform in
+//   mu          sqrt(cosine to the normal): albedos of narrow lobes fall off within a cosine of about alpha = roughness^2
+//   roughness   perceptual
+// A word is two numbers of 16 bits in [0, 1] (unpackUnorm2x16, the first in the low half), or one float where it says so.
+#ifndef PARHELION_SHARED_BSDF_TABLES_H
+#define PARHELION_SHARED_BSDF_TABLES_H
+#include "shared/types.h"
+SHARED_BEGIN
+
+// ---- bsdf_ggx.bin: reflection by GGX with height-correlated masking, Fresnel reflectance by Schlick ----
+// The albedo for any f0, f90 is f0 (1 - loss - grazing) + f90 grazing: loss = 1 - int D V cos, what a white microfacet scatters
+// more than once; grazing = int D V (1 - cos_h)^5 cos.
+SHARED_CONST uint kGgxMu = 128u, kGgxRoughness = 128u;
+SHARED_CONST uint kGgxAt = 0u;
+SHARED_CONST uint kGgxAlbedoAt = kGgxAt;                                // (loss, grazing) over (mu, roughness)
+SHARED_CONST uint kGgxAverageAt = kGgxAlbedoAt + kGgxMu * kGgxRoughness;  // floats: loss, grazing averaged over 2 cos, over roughness
+SHARED_CONST uint kGgxWords = kGgxMu * kGgxRoughness + 2u * kGgxRoughness;
+
+// ---- bsdf_layers.bin: a clear coat and sheen, and what they turn back of the light that comes up from the surface below ----
+// Sheen below this perceptual roughness is drawn with it: narrower fibres reflect at grazing angles only.
+SHARED_CONST float kMinSheenRoughness = 0.0625f;
+// (albedo, cap) over (mu, roughness): the lobe seen from o is multiplied by cap(o) cap(i), because Charlie sheen alone returns more
+// than it gets at grazing angles.
+SHARED_CONST uint kSheenMu = 65u, kSheenRoughness = 65u;
+SHARED_CONST uint kSheenAlbedoAt = kGgxAt + kGgxWords;
+SHARED_CONST uint kSheenAverageAt = kSheenAlbedoAt + kSheenMu * kSheenRoughness;  // floats: albedo averaged over 2 cos, 0; over roughness
+// Albedo of a layer averaged over the GGX lobe of the surface below: (int s (1 - F) D V cos, int s F D V cos), F = (1 - cos_h)^5, over
+// (mu, roughness below, roughness of the layer); and over the hemisphere: (the layer's albedo averaged with the weight loss(mu) cos,
+// its average with grazing(mu) 2 cos), over the two roughnesses.
+SHARED_CONST uint kLayerMu = 32u, kLayerBelow = 24u, kLayerRoughness = 24u;
+SHARED_CONST uint kCoatOverGgxAt = kSheenAverageAt + 2u * kSheenRoughness;
+SHARED_CONST uint kSheenOverGgxAt = kCoatOverGgxAt + kLayerMu * kLayerBelow * kLayerRoughness;
+SHARED_CONST uint kCoatOverLossAt = kSheenOverGgxAt + kLayerMu * kLayerBelow * kLayerRoughness;
+SHARED_CONST uint kSheenOverLossAt = kCoatOverLossAt + kLayerBelow * kLayerRoughness;
+// (int of the coat's albedo over the sheen lobe, 0) over (mu, roughness of the sheen, roughness of the coat).
+SHARED_CONST uint kCoatOverSheenAt = kSheenOverLossAt + kLayerBelow * kLayerRoughness;
+SHARED_CONST uint kLayersWords = kCoatOverSheenAt + kLayerMu * kLayerRoughness * kLayerRoughness - kSheenAlbedoAt;
+
+SHARED_CONST uint kBsdfTableWords = kGgxWords + kLayersWords;
+
+// The clear coat's reflectance at normal incidence (KHR_materials_clearcoat: index 1.5).
+SHARED_CONST float kCoatF0 = 0.04f;
+
+SHARED_END
+#endif
