@@ -61,6 +61,12 @@ vec3 pane_transmittance(Glass g, float cos_o) {
     return g.thin && g.delta ? g.tint * (1.0 - glass_reflectance(g, cos_o)) : vec3(0.0);
 }
 
+// Luminance of what leaves the surface, about: for the choice between lobes. What a smooth wall lets pass straight is left out.
+float glass_albedo(Glass g, float cos_o) {
+    const float reflectance = glass_reflectance(g, cos_o);
+    return reflectance + (g.thin && g.delta ? 0.0 : (1.0 - reflectance) * luminance(g.tint));
+}
+
 // Share of samples that are reflected where `reflectance` is.
 float reflected_share(Glass g, float reflectance) {
     return reflectance / max(reflectance + (1.0 - reflectance) * luminance(g.tint), 1e-20);
