@@ -5,7 +5,8 @@
 #include "lib/geometry.glsl"
 #include "lib/sampler.glsl"
 #include "lib/warp.glsl"
-#include "scene/trace.glsl"
+#include "scene/ray.glsl"
+#include "shared/view.h"
 
 // The same bits in every way to trace. The ray through a film position in pixels (x to the right, y down, pixel centres at .5) and
 // the middle of the lens.

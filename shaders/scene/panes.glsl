@@ -18,19 +18,4 @@ Ray pass_through(Ray ray, Surface s) {
     if (ray.t_max < kInfinity) behind.t_max = max(ray.t_max - distance(behind.origin_ws, ray.origin_ws), 0.0);
     return behind;
 }
-
-// What of a light's radiance arrives over a shadow ray. Refracting glass blocks it.
-vec3 trace_light(ViewData view, Ray ray) {
-    if (!kLayers || (scene.header.features & kScenePanes) == 0u) return vec3(trace_visible(ray, kNow));
-    vec3 passing = vec3(1.0);
-    while (max_component(passing) > 0.0) {
-        const Hit hit = trace_closest(ray);
-        if (is_miss(hit)) return passing;
-        Surface s = fetch_surface(hit, ray, kNoCone);
-        s.integer_offset = (view.flags & kViewIntegerOffset) != 0u;
-        passing *= pane_transmittance(s, ray.direction_ws);
-        ray = pass_through(ray, s);
-    }
-    return vec3(0.0);
-}
 #endif

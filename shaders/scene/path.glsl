@@ -3,6 +3,7 @@
 #ifndef PARHELION_SCENE_PATH_GLSL
 #define PARHELION_SCENE_PATH_GLSL
 #include "scene/camera.glsl"
+#include "scene/trace_light.glsl"
 #include "scene/vertex.glsl"
 
 // Told of every ray before it is traced; the pass that includes this file defines it, to count or keep them.
@@ -22,6 +23,17 @@ PathState begin_path(ViewData view, PathKey key) {
     return path;
 }
 
+// Traces the path's ray and shades what it meets.
+#ifdef SHADE_IN_HIT
+#include "scene/vertex_in_hit.glsl"
+#else
+VertexResult next_vertex(ViewData view, PathKey key, inout PathState path, inout FirstHit first) {
+    const Hit hit = trace_closest(path.ray);
+    if (is_miss(hit)) return end_in_sky(view, path, first);
+    return shade_vertex(view, key, hit, path, first);
+}
+#endif
+
 // One sample of one pixel.
 PathRadiance trace_path(ViewData view, uvec2 pixel, uint sample_index, inout FirstHit first) {
     const PathKey key = PathKey(pixel, sample_index, view.seed);
@@ -30,10 +42,8 @@ PathRadiance trace_path(ViewData view, uvec2 pixel, uint sample_index, inout Fir
     VertexResult vertex;
     do {
         note_ray(path.ray, kRayPath);
-        const Hit hit = trace_closest(path.ray);
         const PathClass path_class = path.path_class;
-        if (is_miss(hit)) vertex = end_in_sky(view, path, first);
-        else vertex = shade_vertex(view, key, hit, path, first);
+        vertex = next_vertex(view, key, path, first);
         add_arriving(radiance, path_class, vertex.arriving);
         if (vertex.event.exists) {
             note_ray(vertex.event.ray, kRayShadow);

@@ -6,7 +6,8 @@
 #include "lib/bsdf.glsl"
 #include "lib/geometry.glsl"
 #include "lib/ray_triangle.glsl"
-#include "scene/trace.glsl"
+#include "scene/ray.glsl"
+#include "scene/scene.glsl"
 
 struct Surface {
     vec3 position_ws;

@@ -18,6 +18,8 @@ enum class PixelFilter : uint32_t { Box, Point };
 enum class SpawnOffset : uint32_t { ErrorBounds, Integer };  // how rays leave surfaces: shaders/lib/geometry.glsl
 enum class TextureLod : uint32_t { Full, Cone };  // the finest level everywhere; by ray cones (alpha tests and light samples at the finest)
 
+enum class ShadeIn : uint32_t { Raygen, ClosestHit };  // where the pipeline way shades the vertices of paths
+
 // A group of film channels, by name: "beauty", "albedo", "path.direct_diffuse", ...
 struct FilmGroup {
     std::string_view name;
@@ -48,6 +50,7 @@ struct ViewDesc {
     uint32_t roulette_start = 2;
     uint32_t light_sampling = 0;  // 0: MIS; 1: light sampling only; 2: BSDF sampling only
     TextureLod texture_lod = TextureLod::Full;
+    ShadeIn shade_in = ShadeIn::Raygen;
     bool energy_compensation = true;  // what microfacets scatter more than once is not lost
     bool normal_correction = true;    // shading normals are bent so that reflections leave the surface
     SpawnOffset spawn_offset = SpawnOffset::ErrorBounds;

@@ -61,6 +61,7 @@ public:
 
     RenderReport run() {
         check_targets(options_);
+        check_way(options_.trace == TraceChoice::Auto || options_.trace == TraceChoice::Pipeline);
         load();
         open_device();
         set_up();
@@ -87,6 +88,7 @@ public:
     }
 
 private:
+    void check_way(bool pipeline) const { check_reference({.texture_lod = settings_.texture_lod, .shade_in = settings_.shade_in}, pipeline); }
     void load();
     void open_device();
     void set_up();
@@ -138,9 +140,11 @@ void Job::load() {
 void Job::open_device() {
     if (!device_) device_ = gpu::Device::open({.selector = options_.device, .validate = options_.validate});
     way_ = choose_trace_way(device_->caps(), options_.trace);
+    check_way(way_ == gpu::TraceWay::Pipeline);
     report_.device = device_->caps().name;
     report_.driver = device_->caps().driver;
     report_.trace = trace_way_name(way_);
+    report_.shade_in_hit = settings_.shade_in == ShadeIn::ClosestHit;
     log(LogLevel::Info, "device {} ({}), traces by {}", escape_name(report_.device), escape_name(report_.driver), report_.trace);
 }
 
@@ -157,6 +161,7 @@ ViewDesc Job::describe_view() const {
             .roulette_start = settings_.roulette_start,
             .light_sampling = static_cast<uint32_t>(settings_.light_sampling),
             .texture_lod = settings_.texture_lod,
+            .shade_in = settings_.shade_in,
             .energy_compensation = settings_.energy_compensation == Switch::On,
             .normal_correction = settings_.normal_correction == Switch::On,
             .spawn_offset = settings_.spawn_offset,

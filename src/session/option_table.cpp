@@ -165,6 +165,8 @@ const OptionSpec kOptions[] = {
     // bench
     {.name = "--scene", .section = "What runs", .commands = kBench, .kind = ValueKind::Text, .value = "SCENE",
      .help = "a scene instead of the suite's; may be given again", .bits = kRepeats},
+    {.name = "--also", .section = "What runs", .commands = kBench, .kind = ValueKind::Text, .value = "SCENE",
+     .help = "a scene besides those; may be given again", .bits = kRepeats},
     {.name = "--trace", .section = "What runs", .commands = kBench, .kind = ValueKind::Choice, .value = "WAY",
      .help = "one way to trace instead of all that the device has; may be given again", .choices = "pipeline|query|compute",
      .bits = kRepeats},
@@ -218,10 +220,11 @@ const CommandSpec kCommands[] = {
      {"parhelion export builtin:cornell --out cornell.glb", "parhelion export scene.glb --out folder/scene.gltf",
       "parhelion export builtin:spheres --out spheres.glb --json numbers.json"}},
     {Command::Bench, "bench", "[SUITE]", 0, 1, "measure speed: scenes x renderers x ways to trace",
-     "SUITE is quick (default), full, or replay (which share of a pass its rays alone take). Prints a table, and JSON with --json. "
+     "SUITE is quick (default), full, replay (which share of a pass its rays alone take), or reference (the path tracer on large "
+     "scenes, shading in raygen and in closest-hit shaders). Prints a table, and JSON with --json. "
      "Compare numbers of one device only.",
      {"parhelion bench", "parhelion bench full --json now.json --baseline before.json",
-      "parhelion bench --scene scene.glb --trace compute"}},
+      "parhelion bench --scene scene.glb --trace compute", "parhelion bench reference --also a.glb --also b.glb --json reference.json"}},
     {Command::Settings, "settings", "", 0, 0, "list every setting of --set with its range and default", "", {"parhelion settings"}},
     {Command::Help, "help", "[COMMAND]", 0, 1, "explain a command", "",
      {"parhelion help render", "parhelion help --man > parhelion.1",

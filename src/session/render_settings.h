@@ -14,6 +14,7 @@ struct RenderSettings {
     SamplerKind sampler = SamplerKind::Owen;
     uint32_t roulette_start = 2;
     LightSampling light_sampling = LightSampling::Mis;
+    ShadeIn shade_in = ShadeIn::Raygen;
     Culling culling = Culling::Gltf;
     float infinite_share = 0.5f;
     float sun_elevation = 40.0f, sun_azimuth = 45.0f;  // degrees
@@ -30,6 +31,8 @@ void visit(V&& v, RenderSettings& s) {
     v.field("reference.roulette_start", s.roulette_start, range(1, 65535), "bounce from which paths may end by Russian roulette");
     v.field("reference.light_sampling", s.light_sampling, choices({"mis", "light", "bsdf"}),
             "direct light by both samplings weighted, by light sampling alone, or by the BSDF's alone");
+    v.field("reference.shade_in", s.shade_in, choices({"raygen", "closest_hit"}),
+            "which shaders of the ray tracing pipeline shade; closest_hit needs --trace pipeline and texture.lod=full");
     v.field("scene.culling", s.culling, choices({"none", "gltf"}), "gltf: single-sided surfaces are invisible from behind");
     v.field("light.infinite_share", s.infinite_share, range(0, 1),
             "share of light samples for sky and directional lights where other lights exist too");

@@ -17,9 +17,18 @@ struct Film {
     uint32_t width = 0, height = 0, channel_count = 0;
 };
 
-// Traces the slice's samples and adds them to the film's block. The slice must lie inside one block. `ray_cones`: textures are read
-// as finely as the paths see them (lib/ray_cone.glsl), not at full resolution.
-void path_trace(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const Film& film, const shared::Slice& slice, bool ray_cones);
+// Variants of the path tracer, which differ in speed or in what they read, never in what they mean.
+struct PathTraceOptions {
+    bool ray_cones = false;     // textures are read as finely as the paths see them (lib/ray_cone.glsl), not at full resolution
+    bool shade_in_hit = false;  // vertices are shaded by the hit and miss shaders: the pipeline way only, without ray cones
+};
+
+// Throws a usage Error if the options do not fit each other or the way to trace.
+void check_shading(const PathTraceOptions& options, bool pipeline);
+
+// Traces the slice's samples and adds them to the film's block. The slice must lie inside one block.
+// Checks the options.
+void path_trace(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const Film& film, const shared::Slice& slice, const PathTraceOptions& options);
 
 // The same, keeping the rays: DumpedRay[row_count * width][kMaxDumpedRays]. Further rays of an invocation are not kept.
 void path_trace_dumping(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const Film& film, const shared::Slice& slice, const gpu::Buffer& dump);
