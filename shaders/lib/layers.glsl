@@ -20,7 +20,7 @@ struct Layers {
     vec3 sheen_color;
     float sheen;          // its largest channel, by which it darkens what lies below; 0: none
     float sheen_alpha, sheen_place;       // the latter on the tables' axis
-    float sheen_share;    // of its albedo that counts in T; less than 1 under a coat, so that T stays positive
+    float sheen_share;    // of its albedo that counts in T; less than 1 under a smooth coat, so that T stays positive
     float over_again, over_diffuse;  // the layers' albedo averaged over Glossy's again and Lambert lobes
     vec3 residual;        // what N(o) N(i) is multiplied by
 };
@@ -120,7 +120,7 @@ Layers make_layers(Glossy g, float coat, float coat_roughness, vec3 coat_normal,
     const float roughness = max(sheen_roughness, kMinSheenRoughness);
     l.sheen_alpha = roughness * roughness;
     l.sheen_place = (roughness - kMinSheenRoughness) / (1.0 - kMinSheenRoughness);
-    l.sheen_share = 1.0 - 0.3 * coat;
+    l.sheen_share = 1.0;
     l.over_again = 0.0;
     l.over_diffuse = 0.0;
     l.residual = vec3(0.0);
@@ -132,6 +132,7 @@ Layers make_layers(Glossy g, float coat, float coat_roughness, vec3 coat_normal,
         l.coat_again = r.again.x;
         l.coat_loss_average = average.x;
         const float mean = whole_albedo(r, average).x;
+        if (l.sheen > 0.0) l.sheen_share -= 0.5 * coat * whole_albedo(r, coat_table(l, 0.1, tables)).x;  // as it is near grazing angles
         const vec2 over = layer_averages(g, kCoatOverLossAt, mean, coat_roughness, tables);
         l.over_again += coat * over.x;
         l.over_diffuse += coat * over.y;
