@@ -11,6 +11,7 @@
 #include "scene/shapes.h"
 #include "session/film_state.h"
 #include "session/scene_setup.h"
+#include "shared/scene.h"
 #include "support/render_fixture.h"
 
 namespace parhelion::testing {
@@ -192,7 +193,7 @@ TEST_F(FirstHits, motion_follows_the_camera_and_the_instance) {
     stage.step(std::move(edit));
     const CameraView before = look_at({0.5f, 1.6f, 3.0f}, {0.0f, 0.1f, 0.0f}, 0.8f), now = aslant();
     const image::FilmSums film = film_after(stage, before, now);
-    EXPECT_GT(check_motion(film, tiles, was, is, Lens(before), Lens(now)), 100u);
+    EXPECT_GT(check_motion(film, tiles, glm::dmat4(was), glm::dmat4(is), Lens(before), Lens(now)), 100u);
     const auto sky = std::ranges::count_if(words(film, "depth"), [](uint32_t bits) { return std::isinf(std::bit_cast<float>(bits)); });
     EXPECT_GT(sky, 50);
 
@@ -200,7 +201,7 @@ TEST_F(FirstHits, motion_follows_the_camera_and_the_instance) {
     stage.step({});
     const CameraView high = camera_from_above(3.0f, 2.5f), wider = camera_from_above(4.0f, 1.9f);
     const image::FilmSums later = film_after(stage, high, wider);
-    check_motion(later, tiles, is, is, Lens(high), Lens(wider));
+    check_motion(later, tiles, glm::dmat4(is), glm::dmat4(is), Lens(high), Lens(wider));
 }
 
 TEST_F(FirstHits, what_was_behind_the_camera_has_infinite_motion) {
