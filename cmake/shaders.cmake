@@ -5,6 +5,7 @@
 #   name.trace                    a tracing pass: compiled in all three ways (query, compute, pipeline)
 #   name.rchit|.rahit|.rmiss      the scene's hit shaders
 #   a line "// variants: A B+C"   also compiled with -DA, and with -DB -DC
+#   "// pipeline variants: ..."    of a .trace file: those of the pipeline way only
 set(PARHELION_SHADER_ROOT ${CMAKE_SOURCE_DIR}/shaders)
 
 add_executable(shader_pack tools/shader_pack.cpp)
@@ -44,7 +45,10 @@ function(parhelion_shader_pack pack)
             file(STRINGS ${source} declared REGEX "^// variants: ")
             string(REGEX REPLACE "^// variants: " "" declared "${declared}")
             separate_arguments(declared)
-            foreach(define "" ${declared})
+            file(STRINGS ${source} pipeline_only REGEX "^// pipeline variants: ")
+            string(REGEX REPLACE "^// pipeline variants: " "" pipeline_only "${pipeline_only}")
+            separate_arguments(pipeline_only)
+            foreach(define "" ${declared} ${pipeline_only})
                 set(flags)
                 set(suffix)
                 if(define)
@@ -53,6 +57,8 @@ function(parhelion_shader_pack pack)
                 endif()
                 if(kind STREQUAL "comp")
                     parhelion_compile_shader(${source} ${name} "${suffix}" compute ${flags})
+                elseif(kind STREQUAL "trace" AND define AND define IN_LIST pipeline_only)
+                    parhelion_compile_shader(${source} ${name} "pipeline${suffix}" rgen -DTRACE_PIPELINE ${flags})
                 elseif(kind STREQUAL "trace")
                     parhelion_compile_shader(${source} ${name} "query${suffix}" compute -DTRACE_QUERY ${flags})
                     parhelion_compile_shader(${source} ${name} "compute${suffix}" compute -DTRACE_COMPUTE ${flags})

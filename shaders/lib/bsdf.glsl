@@ -1,137 +1,267 @@
-// The surface's scattering: Lambert under a GGX coat, metallic or dielectric, as glTF's metallic-roughness model.
-// A triple sample / pdf / eval in the shading frame (z = shading normal on the side of wo).
+// The surface's scattering as glTF's metallic-roughness model and its extensions have it: metal, a dielectric over Lambert, and glass,
+// mixed by weight (lib/glossy.glsl, lib/glass.glsl), under sheen and a clear coat (lib/layers.glsl). Lobes below kDeltaRoughness are
+// exact mirrors. A triple sample / pdf / eval in the shading frame (z = shading normal on the side of wo).
 #ifndef PARHELION_LIB_BSDF_GLSL
 #define PARHELION_LIB_BSDF_GLSL
+#include "lib/bsdf_types.glsl"
 #include "lib/color.glsl"
-#include "lib/microfacet.glsl"
+#include "lib/glass.glsl"
+#include "lib/glossy.glsl"
+#include "lib/layers.glsl"
 #include "lib/warp.glsl"
 #include "shared/types.h"
 
-const uint kLobeDiffuse = 0u;
-const uint kLobeSpecular = 1u;
-const uint kLobeTransmission = 2u;
-const uint kLobeNone = 3u;
-
-// The parts of a material that only some scenes have (transmission, clear coat, sheen) cost nothing in shaders compiled without
-// LAYERS; SceneHeader::features says what a scene needs.
-#ifdef LAYERS
-const bool kLayers = true;
-#else
-const bool kLayers = false;
-#endif
-
-// What the material says at a point of a surface. Factors and textures are multiplied already; colours are linear Rec. 709.
-struct BsdfParameters {
-    vec3 base_color;
-    float metallic, roughness;     // perceptual roughness
-    float ior;                     // of the material; 0: reflects everything (KHR_materials_ior)
-    float specular;                // KHR_materials_specular; 0 with metallic 0: a pure Lambert surface
-    vec3 specular_color;
-    // Below: with LAYERS only.
-    float transmission;            // KHR_materials_transmission
-    bool thin;                     // the transmitting surface is a wall without thickness: no refraction, equal from both sides
-    float eta;                     // index of refraction beyond the surface over that on wo's side
-    float coat, coat_roughness;    // KHR_materials_clearcoat
-    vec3 sheen_color;              // KHR_materials_sheen
-    float sheen_roughness;
-};
-
 struct Bsdf {
-    vec3 diffuse;            // albedo of the Lambert lobe
-    float coat_f0, coat_f90; // reflectance of the dielectric coat over it, in the channel where it is largest
-    vec3 f0;                 // reflectance of the GGX lobe at normal incidence; black with f90 = 0: no such lobe
-    float f90;
-    float alpha;             // GGX width
+    Glossy base;
+    float alpha;          // GGX width of the surface, for whoever asks how far its light spreads
+    uint64_t tables;
+    // Below: with LAYERS only.
+    float glass_weight;   // of `glass` in the mixture; the base's weights are in it
+    Glass glass;
+    bool inside;          // wo is in the volume behind the surface, where no layer lies
+    Layers layers;
 };
 
-// Value times cosine, by class of the path that takes it (docs/path-space.md).
-struct BsdfValue {
-    vec3 diffuse, specular, transmission;
-};
-vec3 total(BsdfValue value) { return value.diffuse + value.specular + value.transmission; }
-BsdfValue scale(BsdfValue value, vec3 by) { return BsdfValue(value.diffuse * by, value.specular * by, value.transmission * by); }
-const BsdfValue kNoBsdfValue = BsdfValue(vec3(0.0), vec3(0.0), vec3(0.0));
-
-struct BsdfSample {
-    vec3 wi;
-    BsdfValue weight;  // f cos / pdf of all lobes together, by class; of a delta lobe, of that lobe alone
-    float pdf;         // per solid angle, of all lobes together; < 0: a delta lobe, which no light sample finds
-    uint lobe;         // that was drawn; kLobeNone: absorbed
-};
-
-// Below this perceptual roughness the lobe is as narrow as single precision resolves.
-const float kMinAlpha = 1e-3;
-
-// The last three as KHR_materials_ior and KHR_materials_specular define them: the colour scales the dielectric's reflectance at
-// normal incidence, up to 1, and `specular` all of it; metal has neither. glTF 2.0, appendix B.3.
-//
+// KHR_materials_ior and KHR_materials_specular: the colour scales the dielectric's reflectance at normal incidence, up to 1, and
+// `specular` all of it; metal has neither. glTF 2.0, appendix B.3.
 // `coat_normal` is the clear coat's in the shading frame (0, 0, 1 where it has none of its own), `compensate` adds what microfacets
 // scatter more than once, `tables` is the address of the directional albedos.
 Bsdf make_bsdf(BsdfParameters p, vec3 coat_normal, bool compensate, uint64_t tables) {
-    const float r = (p.ior - 1.0) / (p.ior + 1.0);
+    const float r = (p.ior - 1.0) / (p.ior + 1.0), transmission = kLayers ? p.transmission : 0.0;
     const vec3 dielectric_f0 = min(r * r * p.specular_color, vec3(1.0)) * p.specular;
+    const float opaque = (1.0 - p.metallic) * (1.0 - transmission);
     Bsdf bsdf;
-    bsdf.diffuse = p.base_color * (1.0 - p.metallic);
-    bsdf.coat_f0 = max_component(dielectric_f0);
-    bsdf.coat_f90 = p.specular;
-    bsdf.f0 = mix(dielectric_f0, p.base_color, p.metallic);
-    bsdf.f90 = mix(p.specular, 1.0, p.metallic);
-    bsdf.alpha = max(p.roughness * p.roughness, kMinAlpha);
+    bsdf.tables = tables;
+    bsdf.alpha = p.roughness * p.roughness;
+    bsdf.base = make_glossy(p.base_color * opaque, p.base_color, p.metallic, dielectric_f0, p.specular, opaque, p.roughness, compensate, tables);
+#ifdef LAYERS
+    bsdf.glass_weight = (1.0 - p.metallic) * transmission;
+    if (bsdf.glass_weight > 0.0) bsdf.glass = make_glass(p.base_color, p.roughness, p.eta, p.specular, p.thin, compensate, tables);
+    bsdf.inside = transmission > 0.0 && !p.thin && p.eta > 0.0 && p.eta < 1.0;
+    bsdf.layers = make_layers(bsdf.base, p.coat, p.coat_roughness, coat_normal, p.sheen_color, p.sheen_roughness, compensate, tables);
+#endif
     return bsdf;
 }
 
-// Share of samples given to the specular lobe, from what each would return towards wo.
-float specular_share(Bsdf bsdf, float cos_o) {
-    const float s = luminance(fresnel_schlick(bsdf.f0, bsdf.f90, cos_o));
-    const float d = luminance(bsdf.diffuse) * (1.0 - s);
-    if (s + d <= 0.0) return 0.0;
-    if (bsdf.f90 == 0.0) return 0.0;
-    return d <= 0.0 ? 1.0 : clamp(s / (s + d), 0.1, 0.9);
+#ifdef LAYERS
+bool is_layered(Bsdf bsdf) { return has_layers(bsdf.layers); }
+bool has_glass(Bsdf bsdf) { return bsdf.glass_weight > 0.0; }
+#endif
+
+// What is looked up for a direction, once.
+struct BsdfPlace {
+    vec2 table;  // glossy_table()
+#ifdef LAYERS
+    LayerPlace layers;
+#endif
+};
+BsdfPlace bsdf_place(Bsdf bsdf, vec3 w) {
+    BsdfPlace place;
+    const vec3 up = vec3(w.xy, abs(w.z));
+    place.table = glossy_table(bsdf.base, up.z, bsdf.tables);
+#ifdef LAYERS
+    if (is_layered(bsdf)) place.layers = layer_place(bsdf.layers, bsdf.base, up, place.table, bsdf.tables);
+#endif
+    return place;
 }
 
-// What the coat lets through, on the way in and on the way out: equal in both directions, and never more than it does not
-// reflect. The same in all channels, so that a coloured coat does not lend the diffuse light its complement
-// (KHR_materials_specular).
-float coat_passes(Bsdf bsdf, float cosine) { return 1.0 - fresnel_schlick(vec3(bsdf.coat_f0), bsdf.coat_f90, cosine).x; }
+// Probabilities of the lobes: `wide` is everything that is sampled by the cosine; sheen is sampled uniformly, because it is brightest
+// at grazing angles.
+struct LobeShares {
+    float wide, ggx, coat, sheen, glass;
+};
+const LobeShares kNoShares = LobeShares(0.0, 0.0, 0.0, 0.0, 0.0);
+
+// From what each lobe would return towards wo. Narrow lobes get at least a tenth where they are there at all: their light is the
+// brightest; the wide one enough to bound the weight of what is scattered again.
+LobeShares lobe_shares(Bsdf bsdf, vec3 wo, BsdfPlace o) {
+    LobeShares s = kNoShares;
+    float passes = 1.0;
+#ifdef LAYERS
+    const bool layered = is_layered(bsdf) && !bsdf.inside;
+    if (layered) passes = o.layers.passes;
+#endif
+    s.wide = passes * luminance(diffuse_albedo(bsdf.base, o.table) + again_albedo(bsdf.base, o.table));
+    s.ggx = passes * luminance(single_albedo(bsdf.base.glossy, o.table));
+#ifdef LAYERS
+    if (layered) {
+        const Layers l = bsdf.layers;
+        s.wide += luminance(o.layers.residual) + l.coat * l.coat_again * o.layers.coat_loss;
+        if (l.sheen > 0.0) s.sheen = o.layers.sheen_out * luminance(l.sheen_color) / l.sheen;
+        if (bsdf.base.delta) s.ggx = o.layers.leaves * luminance(single_albedo(bsdf.base.glossy, o.table));
+        s.coat = max(o.layers.coat - l.coat * l.coat_again * o.layers.coat_loss, 0.0);
+    }
+    if (has_glass(bsdf)) s.glass = passes * bsdf.glass_weight * glass_albedo(bsdf.glass, wo.z);
+#endif
+    const float sum = s.wide + s.ggx + s.coat + s.sheen + s.glass;
+    if (s.wide > 0.0) s.wide = max(s.wide, 0.02 * sum);
+    if (s.ggx > 0.0) s.ggx = max(s.ggx, 0.1 * sum);
+    if (s.coat > 0.0) s.coat = max(s.coat, 0.1 * sum);
+    if (s.glass > 0.0) s.glass = max(s.glass, 0.1 * sum);
+    const float by = sum > 0.0 ? 1.0 / (s.wide + s.ggx + s.coat + s.sheen + s.glass) : 0.0;
+    return LobeShares(s.wide * by, s.ggx * by, s.coat * by, s.sheen * by, s.glass * by);
+}
+
+// Value and density of all lobes that are no mirrors.
+struct BsdfTerms {
+    BsdfValue value;
+    float pdf;
+};
+
+#ifdef LAYERS
+const float kUniformHemisphere = 0.5 / kPi;
+
+void add_layers(inout BsdfTerms terms, Bsdf bsdf, LobeShares shares, BsdfPlace o, BsdfPlace i, vec3 wo, vec3 wi) {
+    const Layers l = bsdf.layers;
+    const float passes = o.layers.passes * i.layers.passes;
+    terms.value = scale(terms.value, vec3(passes));
+    terms.value.diffuse += eval_residual(l, o.layers, i.layers, wi.z);
+    if (l.sheen > 0.0) terms.value.diffuse += eval_sheen(l, o.layers, i.layers, half_vector(wo, wi), wo, wi);
+    terms.pdf += shares.sheen * kUniformHemisphere;
+    if (l.coat <= 0.0 || o.layers.cos_coat <= 0.0 || i.layers.cos_coat <= 0.0) return;
+    terms.value.specular += vec3(eval_coat_again(l, o.layers, i.layers));
+    if (l.coat_delta) return;
+    const vec3 co = to_coat(l, wo), ci = to_coat(l, wi), h = half_vector(co, ci);
+    terms.value.specular += l.coat * eval_ggx(coat_reflectance(l), l.coat_alpha, h, co, ci);
+    terms.pdf += shares.coat * pdf_ggx_reflection_solid_angle(h, co.z, l.coat_alpha);
+}
+
+// The clear coat lies on the outside: light that comes through the surface meets it where it is outside, at once or twice. What the
+// layers turn back of it is lost.
+void add_glass(inout BsdfTerms terms, Bsdf bsdf, LobeShares shares, BsdfPlace o, BsdfPlace i, vec3 wo, vec3 wi) {
+    const GlassTerms glass = glass_terms(bsdf.glass, wo, wi);
+    vec3 value = glass.value * bsdf.glass_weight;
+    if (is_layered(bsdf)) {
+        if (!bsdf.inside) value *= o.layers.passes;
+        if (bsdf.inside != (wi.z > 0.0) || bsdf.glass.thin) value *= i.layers.passes;
+    }
+    if (wi.z < 0.0) terms.value.transmission += value;
+    else terms.value.specular += value;
+    terms.pdf += shares.glass * glass.pdf;
+}
+#endif
+
+BsdfTerms bsdf_terms(Bsdf bsdf, LobeShares shares, BsdfPlace o, vec3 wo, vec3 wi) {
+    BsdfTerms terms = BsdfTerms(kNoBsdfValue, 0.0);
+    if (wo.z <= 0.0 || (!kLayers && wi.z <= 0.0)) return terms;
+    const BsdfPlace i = bsdf_place(bsdf, wi);
+    if (wi.z > 0.0) {
+        terms.value.diffuse = eval_diffuse(bsdf.base, o.table, i.table, wi.z);
+        terms.pdf = shares.wide * pdf_cosine_hemisphere_solid_angle(wi.z);
+        if (has_glossy(bsdf.base) && !bsdf.base.delta) {
+            const vec3 h = half_vector(wo, wi);
+            terms.value.specular = eval_again(bsdf.base, o.table, i.table, wi.z) + eval_ggx(bsdf.base.glossy, bsdf.base.alpha, h, wo, wi);
+            terms.pdf += shares.ggx * pdf_ggx_reflection_solid_angle(h, wo.z, bsdf.base.alpha);
+        }
+    }
+#ifdef LAYERS
+    if (wi.z > 0.0 && is_layered(bsdf) && !bsdf.inside) add_layers(terms, bsdf, shares, o, i, wo, wi);
+    if (has_glass(bsdf)) add_glass(terms, bsdf, shares, o, i, wo, wi);
+#endif
+    return terms;
+}
 
 BsdfValue eval_bsdf(Bsdf bsdf, vec3 wo, vec3 wi) {
-    BsdfValue value = kNoBsdfValue;
-    if (wi.z <= 0.0 || wo.z <= 0.0) return value;
-    const vec3 h = normalize(wo + wi);
-    const vec3 f = fresnel_schlick(bsdf.f0, bsdf.f90, dot(wi, h));
-    value.diffuse = bsdf.diffuse * coat_passes(bsdf, wo.z) * coat_passes(bsdf, wi.z) * (wi.z / kPi);
-    if (bsdf.f90 > 0.0) value.specular = f * (ggx_distribution(h.z, bsdf.alpha) * ggx_visibility(wi.z, wo.z, bsdf.alpha) * wi.z);
-    return value;
+    return bsdf_terms(bsdf, kNoShares, bsdf_place(bsdf, wo), wo, wi).value;
 }
 
 float pdf_bsdf_solid_angle(Bsdf bsdf, vec3 wo, vec3 wi) {
-    if (wi.z <= 0.0 || wo.z <= 0.0) return 0.0;
-    const float share = specular_share(bsdf, wo.z);
-    float pdf = (1.0 - share) * pdf_cosine_hemisphere_solid_angle(wi.z);
-    if (share > 0.0) pdf += share * pdf_vndf_reflection_solid_angle(normalize(wo + wi).z, wo.z, bsdf.alpha);
-    return pdf;
+    const BsdfPlace o = bsdf_place(bsdf, wo);
+    return bsdf_terms(bsdf, lobe_shares(bsdf, wo, o), o, wo, wi).pdf;
+}
+
+// A mirror's direction, with the weight of its lobe over the probability of having drawn it.
+BsdfSample delta_sample(vec3 wi, BsdfValue weight, uint lobe) { return BsdfSample(wi, weight, -1.0, lobe); }
+
+#ifdef LAYERS
+BsdfSample sample_delta_coat(Bsdf bsdf, LobeShares shares, BsdfPlace o, vec3 wo) {
+    const Layers l = bsdf.layers;
+    const vec3 wi = reflect(-wo, l.coat_normal);
+    if (wi.z <= 0.0) return kNoBsdfSample;
+    const vec3 weight = l.coat * fresnel_schlick(vec3(kCoatF0), 1.0, o.layers.cos_coat) / shares.coat;
+    return delta_sample(wi, BsdfValue(vec3(0.0), weight, vec3(0.0)), kLobeSpecular);
+}
+
+BsdfSample sample_delta_glass(Bsdf bsdf, LobeShares shares, BsdfPlace o, vec3 wo, GlassSample glass) {
+    vec3 weight = glass.weight * bsdf.glass_weight / shares.glass;
+    if (is_layered(bsdf)) {
+        const LayerPlace i = bsdf_place(bsdf, glass.wi).layers;
+        if (!bsdf.inside) weight *= o.layers.passes;
+        if (bsdf.inside != (glass.wi.z > 0.0) || bsdf.glass.thin) weight *= i.passes;
+    }
+    if (glass.wi.z < 0.0) return delta_sample(glass.wi, BsdfValue(vec3(0.0), vec3(0.0), weight), kLobeTransmission);
+    return delta_sample(glass.wi, BsdfValue(vec3(0.0), weight, vec3(0.0)), kLobeSpecular);
+}
+#endif
+
+BsdfSample sample_delta_base(Bsdf bsdf, LobeShares shares, BsdfPlace o, vec3 wo) {
+    const vec3 wi = vec3(-wo.xy, wo.z);
+    vec3 weight = fresnel_schlick(bsdf.base.glossy.f0, bsdf.base.glossy.f90, wo.z) / shares.ggx;
+#ifdef LAYERS
+    // The coat's own normal may see the two directions differently.
+    if (is_layered(bsdf) && !bsdf.inside) weight *= sqrt(o.layers.leaves * bsdf_place(bsdf, wi).layers.leaves);
+#endif
+    return delta_sample(wi, BsdfValue(vec3(0.0), weight, vec3(0.0)), kLobeSpecular);
 }
 
 // u_lobe picks the lobe, u the direction.
 BsdfSample sample_bsdf(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u) {
-    BsdfSample result = BsdfSample(vec3(0.0), kNoBsdfValue, 0.0, kLobeNone);
-    if (wo.z <= 0.0) return result;
-    if (u_lobe < specular_share(bsdf, wo.z)) {
-        result.wi = reflect(-wo, sample_vndf_ggx(wo, bsdf.alpha, u));
+    if (wo.z <= 0.0) return kNoBsdfSample;
+    const BsdfPlace o = bsdf_place(bsdf, wo);
+    const LobeShares shares = lobe_shares(bsdf, wo, o);
+    BsdfSample result = kNoBsdfSample;
+    if (u_lobe < shares.ggx) {
+        if (bsdf.base.delta) return sample_delta_base(bsdf, shares, o, wo);
+        result.wi = sample_ggx_reflection(wo, bsdf.base.alpha, u);
         result.lobe = kLobeSpecular;
-    } else {
+    } else if (u_lobe < shares.ggx + shares.wide) {
         result.wi = sample_cosine_hemisphere(u);
         result.lobe = kLobeDiffuse;
     }
-    result.pdf = pdf_bsdf_solid_angle(bsdf, wo, result.wi);
-    if (result.pdf <= 0.0) {
-        result.lobe = kLobeNone;
-        return result;
+#ifdef LAYERS
+    else if (u_lobe < shares.ggx + shares.wide + shares.coat) {
+        if (bsdf.layers.coat_delta) return sample_delta_coat(bsdf, shares, o, wo);
+        const vec3 co = to_coat(bsdf.layers, wo);
+        if (co.z <= 0.0) return result;
+        result.wi = from_coat(bsdf.layers, sample_ggx_reflection(co, bsdf.layers.coat_alpha, u));
+        result.lobe = kLobeSpecular;
+        if (result.wi.z <= 0.0) return kNoBsdfSample;
+    } else if (u_lobe < shares.ggx + shares.wide + shares.coat + shares.sheen) {
+        result.wi = sample_uniform_sphere(u);
+        result.wi.z = abs(result.wi.z);
+        result.lobe = kLobeDiffuse;
+    } else if (shares.glass > 0.0) {
+        const float u_glass = min((u_lobe - (1.0 - shares.glass)) / shares.glass, 0.99999994);
+        const GlassSample glass = sample_glass(bsdf.glass, wo, u_glass, u);
+        if (glass.pdf == 0.0) return result;
+        if (glass.pdf < 0.0) return sample_delta_glass(bsdf, shares, o, wo, glass);
+        result.wi = glass.wi;
+        result.lobe = glass.wi.z < 0.0 ? kLobeTransmission : kLobeSpecular;
     }
-    result.weight = scale(eval_bsdf(bsdf, wo, result.wi), vec3(1.0 / result.pdf));
+#endif
+    if (result.lobe == kLobeNone || (!kLayers && result.wi.z <= 0.0)) return kNoBsdfSample;
+    const BsdfTerms terms = bsdf_terms(bsdf, shares, o, wo, result.wi);
+    if (terms.pdf <= 0.0) return kNoBsdfSample;
+    result.pdf = terms.pdf;
+    result.weight = scale(terms.value, vec3(1.0 / terms.pdf));
     return result;
 }
 
-// What passes straight through a smooth thin wall (no part of the lobes above, see scene/panes.glsl).
-vec3 thin_transmittance(BsdfParameters p, float cos_o, uint64_t tables) { return vec3(0.0); }
+// What passes straight through a smooth thin wall (no part of the lobes above, see scene/panes.glsl). The layers count on both of
+// its sides, as everywhere with thin walls: light may go either way.
+vec3 thin_transmittance(BsdfParameters p, float cos_o, uint64_t tables) {
+#ifdef LAYERS
+    const vec3 w = vec3(sqrt(max(1.0 - cos_o * cos_o, 0.0)), 0.0, cos_o);
+    const Bsdf bsdf = make_bsdf(p, vec3(0.0, 0.0, 1.0), true, tables);
+    if (!has_glass(bsdf)) return vec3(0.0);
+    vec3 passing = bsdf.glass_weight * pane_transmittance(bsdf.glass, cos_o);
+    if (is_layered(bsdf)) {
+        const float passes = bsdf_place(bsdf, w).layers.passes;
+        passing *= passes * passes;
+    }
+    return passing;
+#else
+    return vec3(0.0);
+#endif
+}
 #endif

@@ -1,5 +1,7 @@
 #version 460
-// Closest hit of the pipeline way: says which triangle, nothing else. Reads: hit attributes. Writes: payload.
+// Closest hit of the pipeline way: says which triangle. With SHADE_IN_HIT it also shades the vertex, where a path asks for it.
+// Reads: hit attributes; SHADE_IN_HIT: scene, view, payload. Writes: payload.
+// variants: SHADE_IN_HIT LAYERS+SHADE_IN_HIT
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_ray_tracing : require
 #include "scene/payload.glsl"
@@ -8,11 +10,30 @@
 layout(location = 0) rayPayloadInEXT ClosestPayload payload;
 hitAttributeEXT vec2 barycentrics;
 
-void main() {
+Hit this_hit() {
     const uint instance = gl_InstanceCustomIndexEXT;
-    payload.hit.instance_bits = instance | ((scene_instance(instance).flags & kInstanceDeforms) << 30);
-    payload.hit.geometry = gl_GeometryIndexEXT;
-    payload.hit.primitive = gl_PrimitiveID;
-    payload.hit.barycentrics = packUnorm2x16(barycentrics);
-    payload.hit.t = gl_HitTEXT;
+    return Hit(instance | ((scene_instance(instance).flags & kInstanceDeforms) << 30), gl_GeometryIndexEXT, gl_PrimitiveID, packUnorm2x16(barycentrics), gl_HitTEXT);
 }
+
+#ifdef SHADE_IN_HIT
+#include "scene/hit_view.glsl"
+#include "scene/vertex_payload.glsl"
+
+void shade(Hit hit) {
+    const ViewData view = push.view.data;
+    PathState path = asked_path(Ray(gl_WorldRayOriginEXT, gl_RayTminEXT, gl_WorldRayDirectionEXT, kInfinity, payload.alpha_key));
+    const bool at_first = path.path_class.bounce == 0u;
+    FirstHit first;
+    if (at_first) first = payload.vertex.first;
+    const VertexResult vertex = shade_vertex(view, asked_key(view), hit, path, first);
+    answer_vertex(path, vertex, at_first, first);
+}
+
+void main() {
+    const Hit hit = this_hit();
+    if (asks_vertex()) shade(hit);
+    else payload.hit = hit;
+}
+#else
+void main() { payload.hit = this_hit(); }
+#endif

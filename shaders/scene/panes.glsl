@@ -3,6 +3,7 @@
 #ifndef PARHELION_SCENE_PANES_GLSL
 #define PARHELION_SCENE_PANES_GLSL
 #include "scene/surface.glsl"
+#include "shared/view.h"
 
 bool is_pane(BsdfParameters p) { return p.thin && p.transmission > 0.0 && p.roughness < kDeltaRoughness; }
 
@@ -16,19 +17,5 @@ Ray pass_through(Ray ray, Surface s) {
     Ray behind = spawn_ray(s, ray.direction_ws, ray.t_max, ray.alpha_key);
     if (ray.t_max < kInfinity) behind.t_max = max(ray.t_max - distance(behind.origin_ws, ray.origin_ws), 0.0);
     return behind;
-}
-
-// What of a light's radiance arrives over a shadow ray. Refracting glass blocks it.
-vec3 trace_light(Ray ray) {
-    if (!kLayers || (scene.header.features & kScenePanes) == 0u) return vec3(trace_visible(ray, kNow));
-    vec3 passing = vec3(1.0);
-    while (max_component(passing) > 0.0) {
-        const Hit hit = trace_closest(ray);
-        if (is_miss(hit)) return passing;
-        const Surface s = fetch_surface(hit, ray, kNoCone);
-        passing *= pane_transmittance(s, ray.direction_ws);
-        ray = pass_through(ray, s);
-    }
-    return vec3(0.0);
 }
 #endif

@@ -3,6 +3,7 @@
 #ifndef PARHELION_SCENE_PATH_GLSL
 #define PARHELION_SCENE_PATH_GLSL
 #include "scene/camera.glsl"
+#include "scene/trace_light.glsl"
 #include "scene/vertex.glsl"
 
 // Told of every ray before it is traced; the pass that includes this file defines it, to count or keep them.
@@ -10,9 +11,8 @@ void note_ray(Ray ray, uint kind);
 
 PathState begin_path(ViewData view, PathKey key) {
     PathSampler samples = make_sampler(key.pixel, key.sample_index, key.seed, view.sampler_kind, scene.header.sobol, scene.header.blue_noise);
-    const vec2 jitter = view.pixel_filter == kFilterPoint ? vec2(0.5) : next_2d(samples);
     PathState path;
-    path.ray = camera_ray(view.camera, vec2(key.pixel) + jitter, vec2(view.width, view.height), alpha_key(key, 0u, kRayPath));
+    path.ray = sample_camera_ray(view, key.pixel, samples, alpha_key(key, 0u, kRayPath));
     path.throughput = vec3(1.0);
     path.pdf = -1.0;
     path.travelled = 0.0;
@@ -23,6 +23,17 @@ PathState begin_path(ViewData view, PathKey key) {
     return path;
 }
 
+// Traces the path's ray and shades what it meets.
+#ifdef SHADE_IN_HIT
+#include "scene/vertex_in_hit.glsl"
+#else
+VertexResult next_vertex(ViewData view, PathKey key, inout PathState path, inout FirstHit first) {
+    const Hit hit = trace_closest(path.ray);
+    if (is_miss(hit)) return end_in_sky(view, path, first);
+    return shade_vertex(view, key, hit, path, first);
+}
+#endif
+
 // One sample of one pixel.
 PathRadiance trace_path(ViewData view, uvec2 pixel, uint sample_index, inout FirstHit first) {
     const PathKey key = PathKey(pixel, sample_index, view.seed);
@@ -31,14 +42,12 @@ PathRadiance trace_path(ViewData view, uvec2 pixel, uint sample_index, inout Fir
     VertexResult vertex;
     do {
         note_ray(path.ray, kRayPath);
-        const Hit hit = trace_closest(path.ray);
         const PathClass path_class = path.path_class;
-        if (is_miss(hit)) vertex = end_in_sky(view, path, first);
-        else vertex = shade_vertex(view, key, hit, path, first);
+        vertex = next_vertex(view, key, path, first);
         add_arriving(radiance, path_class, vertex.arriving);
         if (vertex.event.exists) {
             note_ray(vertex.event.ray, kRayShadow);
-            const vec3 passing = trace_light(vertex.event.ray);
+            const vec3 passing = trace_light(view, vertex.event.ray);
             add_sampled(radiance, path_class, scale(vertex.event.value, passing));
         }
     } while (vertex.goes_on);

@@ -2,9 +2,10 @@
 #ifndef PARHELION_SCENE_PATH_STATE_GLSL
 #define PARHELION_SCENE_PATH_STATE_GLSL
 #include "lib/bsdf.glsl"
+#include "lib/hash.glsl"
 #include "lib/ray_cone.glsl"
 #include "scene/media.glsl"
-#include "scene/trace.glsl"
+#include "scene/ray.glsl"
 #include "shared/view.h"
 
 // Random numbers of alpha tests: which ray asks.

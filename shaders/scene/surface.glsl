@@ -6,7 +6,8 @@
 #include "lib/bsdf.glsl"
 #include "lib/geometry.glsl"
 #include "lib/ray_triangle.glsl"
-#include "scene/trace.glsl"
+#include "scene/ray.glsl"
+#include "scene/scene.glsl"
 
 struct Surface {
     vec3 position_ws;
@@ -20,6 +21,7 @@ struct Surface {
     vec3 n_coat_ws;       // unit, the clear coat's shading normal, on the front side (LAYERS)
     vec3 emission;        // nits towards the ray's origin
     uint instance, geometry, primitive, material;  // geometry: of the mesh
+    bool integer_offset;  // rays leave it by offset_origin_integer()
     float double_area_ws; // twice the triangle's area, square metres
 };
 
@@ -87,6 +89,7 @@ Surface fetch_surface(Hit hit, Ray ray, RayCone cone) {
     const Geometry geometry = scene_geometry(instance.geometry_base + hit.geometry);
     const Material material = scene_material(geometry.material);
     s.material = geometry.material;
+    s.integer_offset = false;
 
     const uvec3 index = IndexArray(geometry.indices).v[hit.primitive];
     PositionArray positions = PositionArray(geometry.positions);
@@ -151,8 +154,9 @@ Surface fetch_surface(Hit hit, Ray ray, RayCone cone) {
     return s;
 }
 
-// A ray from the surface towards w that cannot meet the surface itself.
+// A ray from the surface towards w that cannot meet the surface itself (with integer_offset: seldom).
 Ray spawn_ray(Surface s, vec3 w, float t_max, uint alpha_key) {
-    return Ray(offset_origin(s.position_ws, s.position_error, s.n_geometric_ws, w), 0.0, w, t_max, alpha_key);
+    const vec3 origin = s.integer_offset ? offset_origin_integer(s.position_ws, s.n_geometric_ws, w) : offset_origin(s.position_ws, s.position_error, s.n_geometric_ws, w);
+    return Ray(origin, 0.0, w, t_max, alpha_key);
 }
 #endif

@@ -1,34 +1,17 @@
 // The two trace functions, equal in all three ways, and the entry point of a tracing pass:
 //     Hit  trace_closest(Ray ray)
-//     bool trace_visible(Ray ray, uint moment)     kNow | kBefore (the previous frame's scene)
+//     bool trace_visible(Ray ray, uint moment)
 // A tracing pass defines `void invoke(uvec2 id)`; it uses no shared memory, barrier, workgroup id or subgroup operation.
 #ifndef PARHELION_SCENE_TRACE_GLSL
 #define PARHELION_SCENE_TRACE_GLSL
+#include "scene/ray.glsl"
 #include "scene/scene.glsl"
-#include "shared/hit.h"
 
 #if defined(TRACE_PIPELINE)
 #extension GL_EXT_ray_tracing : require
 #elif defined(TRACE_QUERY)
 #extension GL_EXT_ray_query : require
 #endif
-
-const uint kNow = 0u;
-const uint kBefore = 1u;
-
-struct Ray {
-    vec3 origin_ws;
-    float t_min;
-    vec3 direction_ws;  // unit
-    float t_max;
-    uint alpha_key;  // hash of (pixel, sample, bounce, ray kind) for alpha tests
-};
-
-const float kInfinity = 3.4e38;
-
-bool is_miss(Hit hit) { return hit.instance_bits == kHitMiss; }
-uint hit_instance(Hit hit) { return hit.instance_bits & kHitInstanceMask; }
-Hit make_miss() { return Hit(kHitMiss, 0u, 0u, 0u, kInfinity); }
 
 void invoke(uvec2 id);
 

@@ -213,6 +213,7 @@ VertexResult shade_vertex(ViewData view, PathKey key, Hit hit, inout PathState p
     result.event.exists = false;
     result.goes_on = false;
     Surface s = fetch_surface(hit, path.ray, path.cone);
+    s.integer_offset = (view.flags & kViewIntegerOffset) != 0u;
     if (kLayers) path.throughput *= medium_transmittance(medium_there(path.media), s.t);
     const uint bounce = path.path_class.bounce;
     result.arriving = path.throughput * arriving_emission(path, s, view.light_sampling);

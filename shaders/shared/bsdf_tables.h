@@ -20,8 +20,9 @@ SHARED_CONST uint kGgxAverageAt = kGgxAlbedoAt + kGgxMu * kGgxRoughness;  // flo
 SHARED_CONST uint kGgxWords = kGgxMu * kGgxRoughness + 2u * kGgxRoughness;
 
 // ---- bsdf_layers.bin: a clear coat and sheen, and what they turn back of the light that comes up from the surface below ----
-// Sheen below this perceptual roughness is drawn with it: narrower fibres reflect at grazing angles only.
-SHARED_CONST float kMinSheenRoughness = 0.0625f;
+// Sheen's roughness is drawn as at least this: fibres that diverge less reflect at grazing angles only. Its axes begin there: a place
+// on them is (roughness - kMinSheenRoughness) / (1 - kMinSheenRoughness).
+SHARED_CONST float kMinSheenRoughness = 0.1f;
 // (albedo, cap) over (mu, roughness): the lobe seen from o is multiplied by cap(o) cap(i), because Charlie sheen alone returns more
 // than it gets at grazing angles.
 SHARED_CONST uint kSheenMu = 65u, kSheenRoughness = 65u;
@@ -30,7 +31,7 @@ SHARED_CONST uint kSheenAverageAt = kSheenAlbedoAt + kSheenMu * kSheenRoughness;
 // Albedo of a layer averaged over the GGX lobe of the surface below: (int s (1 - F) D V cos, int s F D V cos), F = (1 - cos_h)^5, over
 // (mu, roughness below, roughness of the layer); and over the hemisphere: (the layer's albedo averaged with the weight loss(mu) cos,
 // its average with grazing(mu) 2 cos), over the two roughnesses.
-SHARED_CONST uint kLayerMu = 32u, kLayerBelow = 24u, kLayerRoughness = 24u;
+SHARED_CONST uint kLayerMu = 64u, kLayerBelow = 32u, kLayerRoughness = 24u;
 SHARED_CONST uint kCoatOverGgxAt = kSheenAverageAt + 2u * kSheenRoughness;
 SHARED_CONST uint kSheenOverGgxAt = kCoatOverGgxAt + kLayerMu * kLayerBelow * kLayerRoughness;
 SHARED_CONST uint kCoatOverLossAt = kSheenOverGgxAt + kLayerMu * kLayerBelow * kLayerRoughness;

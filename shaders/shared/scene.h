@@ -146,7 +146,7 @@ struct SceneHeader {
     uint64_t emitters;           // Emitter[]
     uint64_t emitter_table;      // AliasEntry[emitter_count]
     uint64_t triangle_tables;    // AliasEntry[], one table per emissive geometry, in object space
-    uint64_t environment_table;  // AliasEntry[table_width * table_height]
+    uint64_t environment_table;  // AliasEntry[table_width * table_height], their pmf a density per solid angle
     uint64_t bottom_nodes;       // own BVH (shared/bvh.h): BvhNode[]
     uint64_t bottom_triangles;   // BvhTriangle[]
     uint64_t top_nodes, top_items;                // BvhNode[], BvhTopItem[]

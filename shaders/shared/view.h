@@ -16,8 +16,14 @@ SHARED_CONST uint kFilmPathDirectSpecular = 7u;
 SHARED_CONST uint kFilmPathIndirectDiffuse = 8u;
 SHARED_CONST uint kFilmPathIndirectSpecular = 9u;
 SHARED_CONST uint kFilmPathTransmission = 10u;
-SHARED_CONST uint kFilmGroupCount = 11u;
+SHARED_CONST uint kFilmSquares = 11u;       // of the beauty, below kLargeSquareFrom
+SHARED_CONST uint kFilmLargeSquares = 12u;  // the others, times kLargeSquareScale
+SHARED_CONST uint kFilmGroupCount = 13u;
 SHARED_CONST uint kNoChannel = 0xFFFFFFFFu;
+
+// Squares range twice as far as samples do: two sums, with factors that lose nothing (image/film.h resolves them).
+SHARED_CONST float kLargeSquareFrom = 65536.0f;
+SHARED_CONST float kLargeSquareScale = 2.3283064365386963e-10f;  // 2^-32
 
 SHARED_CONST uint kFilterBox = 0u;
 SHARED_CONST uint kFilterPoint = 1u;
@@ -25,6 +31,8 @@ SHARED_CONST uint kFilterPoint = 1u;
 // ViewData::flags
 SHARED_CONST uint kViewEnergyCompensation = 1u;  // light that microfacets scatter more than once is not lost
 SHARED_CONST uint kViewNormalCorrection = 2u;    // shading normals are bent so that reflections leave the surface
+SHARED_CONST uint kViewShutter = 4u;             // the camera moves while the shutter is open (ViewData::motion)
+SHARED_CONST uint kViewIntegerOffset = 8u;       // rays leave surfaces by offset_origin_integer() (lib/geometry.glsl)
 
 // A film block is 64 samples: summed in float by sample index, then added exactly (lib/fixed_point.glsl).
 SHARED_CONST uint kSamplesPerBlock = 64u;
@@ -37,11 +45,22 @@ struct Camera {
     vec3 up_ws;
     vec3 forward_ws;
     uint orthographic;
+    float lens_radius;     // metres; 0: everything is sharp
+    float focus_distance;  // metres along forward_ws to the plane that a lens shows sharp
+};
+
+// What a camera does while its shutter is open, from where it stands when it opens (lib/camera_motion.glsl).
+struct CameraMotion {
+    vec3 translation_ws;  // metres
+    vec3 axis_ws;         // unit; it turns about this by twice half_angle, at an even speed
+    float half_angle;     // radians, 0 to pi / 2
+    vec2 zoom;            // growth of right_ws and up_ws as a share of them
 };
 
 struct ViewData {
     Camera camera;
     Camera camera_before;
+    CameraMotion motion;  // of `camera`, if kViewShutter is set
     uint width, height;
     uint seed;
     uint sampler_kind;

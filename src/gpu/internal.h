@@ -21,6 +21,7 @@
 #include "gpu/device.h"
 #include "gpu/program.h"
 #include "gpu/resources.h"
+#include "gpu/shader_table.h"
 
 namespace parhelion::gpu {
 
@@ -290,7 +291,5 @@ struct StageAccess {
     VkAccessFlags2 access = 0;
 };
 StageAccess stage_access(Use use);
-
-constexpr uint64_t align_up(uint64_t value, uint64_t alignment) { return (value + alignment - 1) / alignment * alignment; }
 
 }  // namespace parhelion::gpu

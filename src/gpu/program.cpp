@@ -10,8 +10,6 @@ namespace parhelion::gpu {
 namespace {
 
 constexpr std::string_view kHitName = "scene/hit", kMissName = "scene/miss", kShadowMissName = "scene/shadow_miss";
-// Stricter than some devices ask (the CPU driver takes any): a table for one is right for all.
-constexpr uint32_t kTableAlignment = 64;
 
 VkShaderStageFlagBits stage_bit(Stage stage) {
     switch (stage) {
@@ -122,30 +120,26 @@ void make_compute(Device::Impl& device, Program::Data& data, const ShaderCode& c
     PARHELION_VK(fmt::format("{}: {}", device.name(), code.name), device.vk.vkCreateComputePipelines(device.device, device.pipeline_cache, 1, &info, nullptr, &data.pipeline));
 }
 
-// The stages of every ray tracing program, in this order; the group numbers below refer to it.
+// The stages of every ray tracing program, in this order; the group numbers below refer to it. Four groups: raygen, two miss shaders, one hit group.
 struct RayStages {
     const ShaderCode *raygen, *miss, *shadow_miss, *closest_hit, *any_hit;
     std::array<const ShaderCode*, 5> all() const { return {raygen, miss, shadow_miss, closest_hit, any_hit}; }
 };
 enum Group : uint32_t { kRaygenGroup, kMissGroup, kShadowMissGroup, kHitGroup, kGroupCount };
 
-// One table: raygen record, two miss records, one hit record, each region on an aligned address.
 void make_table(Device::Impl& device, Program::Data& data) {
     const DeviceCaps& caps = device.physical.caps;
     const uint32_t handle_bytes = caps.shader_group_handle_size;
-    const uint64_t stride = align_up(handle_bytes, caps.shader_group_handle_alignment);
-    const uint64_t base = std::max(caps.shader_group_base_alignment, kTableAlignment);
+    const ShaderTableLayout at = layout_shader_table(handle_bytes, caps.shader_group_handle_alignment, caps.shader_group_base_alignment);
     std::vector<std::byte> handles(size_t(handle_bytes) * kGroupCount);
     PARHELION_VK(device.name(), device.vk.vkGetRayTracingShaderGroupHandlesKHR(device.device, data.pipeline, 0, kGroupCount, handles.size(), handles.data()));
-    const uint64_t miss_at = align_up(stride, base), hit_at = align_up(miss_at + 2 * stride, base);
-    const uint64_t offsets[kGroupCount] = {0, miss_at, miss_at + stride, hit_at};
-    data.sbt = device.create_buffer("programs/" + data.code.name, hit_at + stride, Placement::MappedDevice);
+    const uint64_t offsets[kGroupCount] = {at.raygen, at.miss, at.shadow_miss, at.hit};
+    data.sbt = device.create_buffer("programs/" + data.code.name, at.bytes, Placement::MappedDevice);
     for (uint32_t g = 0; g < kGroupCount; ++g) std::memcpy(data.sbt.allocation.mapped + offsets[g], handles.data() + size_t(g) * handle_bytes, handle_bytes);
-    data.raygen = {data.sbt.address, stride, stride};  // Vulkan wants size = stride here
-    data.miss = {data.sbt.address + miss_at, stride, 2 * stride};
-    data.hit = {data.sbt.address + hit_at, stride, stride};
-    for (const auto& region : {data.raygen, data.miss, data.hit})
-        PARHELION_CHECK(region.deviceAddress % base == 0 && region.stride % caps.shader_group_handle_alignment == 0, "the shader binding table of {} is misaligned", data.code.name);
+    PARHELION_CHECK(data.sbt.address % at.base == 0, "the shader binding table of {} is misaligned", data.code.name);
+    data.raygen = {data.sbt.address + at.raygen, at.stride, at.stride};  // Vulkan wants size = stride here
+    data.miss = {data.sbt.address + at.miss, at.stride, 2 * at.stride};
+    data.hit = {data.sbt.address + at.hit, at.stride, at.stride};
 }
 
 void make_ray_tracing(Device::Impl& device, Program::Data& data, const RayStages& stages) {
@@ -183,11 +177,27 @@ void make_ray_tracing(Device::Impl& device, Program::Data& data, const RayStages
     make_table(device, data);
 }
 
-// The scene's stages see set 0 and at most the raygen's push constants.
+// The scene's stages see set 0 and at most the raygen's push constants, in which addresses have the names that raygen gives them.
 void check_scene_stage(const ShaderCode& raygen, const ShaderCode& code) {
     for (const ShaderBinding& b : code.bindings)
         if (b.set != 0) fail(code, fmt::format("'{}' lies in set {}; hit and miss shaders see set 0 only", b.name, b.set));
     if (code.push_bytes > raygen.push_bytes) fail(code, fmt::format("its push constants are larger than those of {}", raygen.name));
+    for (const PushPointer& pointer : code.push_pointers) {
+        const auto same = [&](const PushPointer& p) { return p.name == pointer.name && p.offset == pointer.offset; };
+        if (std::none_of(raygen.push_pointers.begin(), raygen.push_pointers.end(), same))
+            fail(code, fmt::format("the push constants of {} have no address '{}' at {}", raygen.name, pointer.name, pointer.offset));
+    }
+}
+
+// Hit and miss shaders of the raygen's defines, if the pack has a closest-hit shader for those; else the plain ones. All four are
+// of one kind: they share a payload.
+void add_scene_stages(const ShaderPack& pack, std::string_view variant, RayStages& stages) {
+    std::string_view defines = variant.substr(std::min(variant.find('+'), variant.size()));
+    if (!pack.find(kHitName, defines, Stage::ClosestHit)) defines = {};
+    stages.miss = &require(pack, kMissName, defines, Stage::Miss);
+    stages.shadow_miss = &require(pack, kShadowMissName, defines, Stage::Miss);
+    stages.closest_hit = &require(pack, kHitName, defines, Stage::ClosestHit);
+    stages.any_hit = &require(pack, kHitName, defines, Stage::AnyHit);
 }
 
 std::shared_ptr<Program::Data> make_program(Device::Impl& device, const RayStages& stages, bool ray_tracing) {
@@ -225,9 +235,7 @@ void Program::Data::destroy(Device::Impl& device) noexcept {
 Program Program::get(const DevicePtr& device, const ShaderPack& pack, std::string_view name, std::string_view variant, bool ray_tracing) {
     RayStages stages{&require(pack, name, variant, ray_tracing ? Stage::Raygen : Stage::Compute), nullptr, nullptr, nullptr, nullptr};
     Hasher hash;
-    if (ray_tracing)
-        stages = {stages.raygen, &require(pack, kMissName, "", Stage::Miss), &require(pack, kShadowMissName, "", Stage::Miss), &require(pack, kHitName, "", Stage::ClosestHit),
-                  &require(pack, kHitName, "", Stage::AnyHit)};
+    if (ray_tracing) add_scene_stages(pack, variant, stages);
     for (const ShaderCode* code : stages.all()) hash.add(code ? code->hash : 0);
     const std::pair key(hash.value(), fmt::format("{}\n{}\n{}", name, variant, ray_tracing));
     Device::Impl& impl = device->impl();

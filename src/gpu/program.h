@@ -66,7 +66,8 @@ private:
 };
 
 // A pipeline with its layout. Compute: one shader. Ray tracing: raygen of that name plus the scene's miss, shadow miss, closest
-// hit and any hit ("scene/hit"), recursion depth 1, its shader binding table aligned by the stricter of the device's and 64 bytes.
+// hit and any hit ("scene/hit"), in the raygen's variant where they are declared in it, else plain; recursion depth 1, its shader
+// binding table aligned by the stricter of the device's and 64 bytes (gpu/shader_table.h).
 class Program {
 public:
     struct Data;

@@ -4,13 +4,21 @@
 
 namespace parhelion {
 
+passes::PathTraceOptions trace_options(const ViewDesc& view) {
+    return {.ray_cones = view.texture_lod == TextureLod::Cone, .shade_in_hit = view.shade_in == ShadeIn::ClosestHit};
+}
+
+void check_reference(const ViewDesc& view, bool pipeline) { passes::check_shading(trace_options(view), pipeline); }
+
 void record_reference(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, View& view, const shared::Slice& slice, bool ends_range) {
     const uint32_t end = slice.first_sample + slice.sample_count;
     PARHELION_CHECK(slice.sample_count >= 1 && slice.first_sample / shared::kSamplesPerBlock == (end - 1) / shared::kSamplesPerBlock,
                     "samples {} to {} are not inside one block", slice.first_sample, end);
     PARHELION_CHECK(slice.first_row + slice.row_count <= view.film().height, "rows {} + {} are outside the film", slice.first_row, slice.row_count);
     view.prepare(frame);
-    passes::path_trace(frame, scene, way, view.film(), slice, view.desc().texture_lod == TextureLod::Cone);
+    if (const RowRange rows = view.take_first_hit_rows(slice.first_row + slice.row_count); rows.count != 0)
+        passes::first_hit(frame, scene, way, view.film(), rows.first, rows.count);
+    passes::path_trace(frame, scene, way, view.film(), slice, trace_options(view.desc()));
     if (ends_range || end % shared::kSamplesPerBlock == 0) passes::add_block(frame, view.film(), slice);
 }
 

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "base/error.h"
+#include "renderers/reference.h"
 
 namespace parhelion {
 
@@ -38,7 +39,7 @@ TraceShare measure_trace_share(const gpu::DevicePtr& device, SceneGpu& scene, gp
     frame.run();
     const RayCounts counts = view.read_rays(frame);
     TraceShare result{.rays = counts.path + counts.shadow};
-    result.pass_ms = median_ms(frame, "reference/path_trace", repeats, [&] { passes::path_trace(frame, scene, way, film, slice, view.desc().texture_lod == TextureLod::Cone); });
+    result.pass_ms = median_ms(frame, "reference/path_trace", repeats, [&] { passes::path_trace(frame, scene, way, film, slice, trace_options(view.desc())); });
     result.replay_ms = median_ms(frame, "reference/replay_rays", repeats, [&] { passes::replay_rays(frame, scene, way, dump, hits, film.width, film.height); });
     view.clear_film();
     return result;

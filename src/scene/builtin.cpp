@@ -212,6 +212,7 @@ const Row kRows[] = {
     {{"builtin:forest", "trees without end, each a mesh of its own, with cut-out leaves (--triangles N)"}, builtin::make_forest},
     {{"builtin:many-lights", "8,000 boxes under 441 glowing spheres, after Bevy Solari's scene"}, builtin::make_many_lights},
     {{"builtin:reflections", "a hall of mirrors and metals of several roughnesses, after Bevy Solari's scene"}, builtin::make_reflections},
+    {{"builtin:glass", "glass clear, rough, tinted and thin, water in a tumbler, a mirror, lacquer and velvet"}, builtin::make_glass},
     {{"builtin:leak-box", "closed dark boxes with walls of 1, 5 and 20 cm in a bright room"}, builtin::make_leak_box},
     {{"builtin:textured", "textures, normal maps, alpha, mirrored and stretched instances, a point light and an emitting panel"},
      builtin::make_textured},

@@ -14,6 +14,8 @@ struct CameraView {
     glm::vec2 half_extents{1.0f};  // orthographic: metres, for the aspect that the view was made for
     float near_plane = 0.01f;      // metres, for depth only
     float far_plane = 1000.0f;     // orthographic depth only; perspective has none
+    float lens_radius = 0.0f;      // metres; 0: everything is sharp. An orthographic lens blurs about parallel rays (telecentric)
+    float focus_distance = 1.0f;   // metres along `forward` to the plane that a lens shows sharp
 
     // Half extents of the image at unit distance (perspective) or in metres (orthographic).
     glm::vec2 image_half_extents(float aspect) const;

@@ -60,6 +60,7 @@ void check_value(const Material& m) {
                              m.iridescence_thickness_min, m.iridescence_thickness_max};
     bool all = finite(m.base_color) && finite(m.emission) && finite(m.specular_color) && finite(m.attenuation_color) && finite(m.sheen_color);
     for (const float number : numbers) all = all && finite(number);
+    if (std::abs(m.nested_priority) > kMostNestedPriority) fail(m, fmt::format("its nested priority {} is not within +-{}", m.nested_priority, kMostNestedPriority));
     if (!(m.attenuation_distance > 0.0f)) fail(m, "its attenuation distance is not above 0");
     if (!all) fail(m, "has a number that is not finite");
     if (m.emission.x < 0.0f || m.emission.y < 0.0f || m.emission.z < 0.0f) fail(m, "emits negative light");

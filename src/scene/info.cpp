@@ -46,17 +46,13 @@ void describe_geometry(const Scene& scene, SceneInfo& info) {
 }
 
 // Features of materials beyond the BSDF of shaders/lib/bsdf.glsl, and whether a material has them: not by what it names, but by
-// what would be seen. Volume and dispersion show only where light passes through a body with thickness.
+// what would be seen. Dispersion shows only where light passes through a body with thickness.
 struct Feature {
     std::string_view name;
     bool (*used)(const Material& material);
 };
 constexpr Feature kNotDrawn[] = {
-    {"transmission", [](const Material& m) { return m.transmission > 0.0f; }},
-    {"volume", [](const Material& m) { return m.transmission > 0.0f && m.thickness > 0.0f; }},
     {"dispersion", [](const Material& m) { return m.transmission > 0.0f && m.thickness > 0.0f && m.dispersion > 0.0f; }},
-    {"clearcoat", [](const Material& m) { return m.clearcoat > 0.0f; }},
-    {"sheen", [](const Material& m) { return m.sheen_color != glm::vec3(0.0f); }},
     {"anisotropy", [](const Material& m) { return m.anisotropy > 0.0f; }},
     {"iridescence", [](const Material& m) { return m.iridescence > 0.0f; }},
 };

@@ -119,16 +119,21 @@ void skin(const Primitive& joints, const std::vector<Affine>& world_from_rest, c
 
 class Poser {
 public:
-    Poser(const Scene& scene, const std::function<void(uint64_t)>& charge) : scene_(scene), charge_(charge) {}
+    Poser(const Scene& scene, std::function<void(uint64_t)> charge) : scene_(scene), charge_(std::move(charge)) {}
 
     SceneEdit run(double seconds, std::string_view animation) {
-        for (const Handle<Animation> handle : choose_animations(scene_, animation))
-            for (const AnimationChannel& channel : scene_.get(handle).channels) play(scene_.get(handle), channel, seconds);
+        play(seconds, animation);
         for (const auto& [handle, node] : scene_.nodes())
             if (const auto found = locals_.find(handle); found != locals_.end()) edit_.set_transform(handle, found->second);
         find_places();
         deform();
         return std::move(edit_);
+    }
+
+    glm::mat4 place_at(const Placement& place, double seconds, std::string_view animation) {
+        play(seconds, animation);
+        find_places();
+        return place_of(place);
     }
 
 private:
@@ -138,6 +143,11 @@ private:
         std::vector<float> weights;
         std::vector<Handle<Instance>> rigid, skinned;
     };
+
+    void play(double seconds, std::string_view animation) {
+        for (const Handle<Animation> handle : choose_animations(scene_, animation))
+            for (const AnimationChannel& channel : scene_.get(handle).channels) play(scene_.get(handle), channel, seconds);
+    }
 
     void play(const Animation& animation, const AnimationChannel& channel, double seconds) {
         std::vector<float> v(channel.width);
@@ -266,7 +276,7 @@ private:
     }
 
     const Scene& scene_;
-    const std::function<void(uint64_t)>& charge_;
+    const std::function<void(uint64_t)> charge_;
     SceneEdit edit_;
     std::unordered_map<Handle<Node>, Transform> locals_;  // of nodes that an animation moves
     std::unordered_map<Handle<Instance>, std::vector<float>> weights_;
@@ -280,6 +290,10 @@ private:
 
 SceneEdit pose_at(const Scene& scene, double seconds, std::string_view animation, const std::function<void(uint64_t)>& charge) {
     return Poser(scene, charge).run(seconds, animation);
+}
+
+glm::mat4 place_at(const Scene& scene, const Placement& place, double seconds, std::string_view animation) {
+    return Poser(scene, {}).place_at(place, seconds, animation);
 }
 
 }  // namespace parhelion

@@ -18,4 +18,7 @@ namespace parhelion {
 SceneEdit pose_at(const Scene& scene, double seconds, std::string_view animation = {},
                   const std::function<void(uint64_t bytes)>& charge = {});
 
+// Where something stands at `seconds` of the animations, whatever the scene's own moment: world_from_object. Throws as pose_at does.
+glm::mat4 place_at(const Scene& scene, const Placement& place, double seconds, std::string_view animation = {});
+
 }  // namespace parhelion

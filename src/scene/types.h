@@ -92,6 +92,8 @@ struct TextureRef {
 // uv' = uv_transform(ref) * vec3(uv, 1): scale, then rotation, then offset.
 glm::mat3 uv_transform(const TextureRef& ref);
 
+constexpr int kMostNestedPriority = 1000;
+
 enum class AlphaMode { Opaque, Mask, Blend };
 
 // glTF's metallic-roughness material with the extensions of KHR_materials_*, each under its own defaults (which change nothing).
@@ -127,7 +129,7 @@ struct Material {
     TextureRef thickness_texture;   // green
     // Where volumes overlap, the one of the highest priority is there (Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced
     // Images"); of equal ones that which was entered last. glTF has no word for it: extras.nested_priority.
-    int nested_priority = 0;
+    int nested_priority = 0;  // from -kMostNestedPriority to it
     float attenuation_distance = std::numeric_limits<float>::infinity();  // metres after which attenuation_color is left
     glm::vec3 attenuation_color{1.0f};
     // KHR_materials_dispersion: 20 / Abbe number

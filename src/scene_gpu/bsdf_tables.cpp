@@ -9,12 +9,8 @@ namespace parhelion {
 
 // Embedded by CMakeLists.txt; written by tools/bsdf_tables.
 namespace embedded {
-extern const unsigned char bsdf_ggx[];
-extern const size_t bsdf_ggx_size;
-extern const unsigned char bsdf_layers[];
-extern const size_t bsdf_layers_size;
-extern const unsigned char bsdf_glass[];
-extern const size_t bsdf_glass_size;
+extern const unsigned char bsdf_ggx[], bsdf_layers[], bsdf_glass[];
+extern const size_t bsdf_ggx_size, bsdf_layers_size, bsdf_glass_size;
 }  // namespace embedded
 
 std::vector<uint32_t> bsdf_table_words() {

@@ -1,12 +1,11 @@
-// The light tables. Two levels: emitters (emissive geometry of an instance, punctual light, environment) by their share of the
-// emitted flux, and per emissive geometry its triangles by area in object space. Motion remakes only the top.
+// The top of the light table: emitters (emissive geometry of an instance, punctual light, environment) by their share of the emitted
+// flux; and the environment's table. Motion remakes only the top.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 
-#include "base/error.h"
-#include "sampling/alias_table.h"
+#include "scene/environment_flux.h"
 #include "scene_gpu/state.h"
 
 namespace parhelion {
@@ -16,14 +15,7 @@ namespace {
 constexpr float kPi = std::numbers::pi_v<float>;
 
 float luminance(glm::vec3 c) { return glm::dot(c, glm::vec3(0.2126f, 0.7152f, 0.0722f)); }
-
-// Rows for the device, appended to `out`. All-zero weights become equal ones: a table must return something.
-void append_alias_rows(std::span<const double> weights, std::vector<shared::AliasEntry>& out) {
-    const std::vector<double> equal(weights.size(), 1.0);
-    const bool nothing = std::all_of(weights.begin(), weights.end(), [](double w) { return w <= 0; });
-    const sampling::AliasTable table(nothing ? std::span<const double>(equal) : weights);
-    for (size_t i = 0; i < weights.size(); ++i) out.push_back({table.entries()[i].probability, table.entries()[i].alias, table.pmf()[i]});
-}
+float max_component(glm::vec3 c) { return std::max(c.x, std::max(c.y, c.z)); }
 
 // Exact for angles as small as the sun's.
 float one_minus_cos(float angle) {
@@ -31,35 +23,21 @@ float one_minus_cos(float angle) {
     return static_cast<float>(2.0 * sine * sine);
 }
 
-glm::vec3 world_point(const glm::mat4& world, glm::vec3 p) { return glm::vec3(world * glm::vec4(p, 1.0f)); }
-
-double world_area(const Primitive& primitive, const glm::mat4& world) {
-    double area = 0;
-    for (const glm::uvec3& t : primitive.triangles) {
-        const glm::vec3 a = world_point(world, primitive.positions[t.x]), b = world_point(world, primitive.positions[t.y]), c = world_point(world, primitive.positions[t.z]);
-        area += 0.5 * glm::length(glm::cross(b - a, c - a));
+// Sum of area x shown over the triangles in the world, square metres.
+double world_flux(const Primitive& primitive, const EmissiveTable& table, const glm::mat4& world) {
+    const glm::dmat3 m{glm::mat3(world)}, gram = glm::transpose(m) * m;
+    const double scale = (gram[0][0] + gram[1][1] + gram[2][2]) / 3;
+    double skew = 0;
+    for (int i = 0; i < 3; ++i)
+        for (int k = 0; k < 3; ++k) skew = std::max(skew, std::abs(gram[i][k] - (i == k ? scale : 0.0)));
+    if (skew <= 1e-6 * scale) return scale * table.flux;  // all areas grow alike
+    double flux = 0;
+    for (size_t i = 0; i < primitive.triangles.size(); ++i) {
+        const glm::uvec3& t = primitive.triangles[i];
+        const glm::dvec3 a(primitive.positions[t.x]), b(primitive.positions[t.y]), c(primitive.positions[t.z]);
+        flux += 0.5 * glm::length(glm::cross(m * (b - a), m * (c - a))) * (table.shown.empty() ? 1.0 : double(table.shown[i]));
     }
-    return area;
-}
-
-// Mean of the bilinearly filtered luminance over each texel: the 3x3 kernel (1 6 1)/8 in both directions. Positive wherever the
-// filtered radiance is, so no direction that shines has density zero.
-std::vector<float> filtered_luminance(const Environment& e) {
-    std::vector<float> out(e.radiance.size());
-    const auto at = [&](int x, int y) {
-        x = (x + int(e.width)) % int(e.width);
-        y = std::clamp(y, 0, int(e.height) - 1);
-        return luminance(e.radiance[size_t(y) * e.width + x]);
-    };
-    static constexpr float kWeights[3] = {0.125f, 0.75f, 0.125f};
-    for (int y = 0; y < int(e.height); ++y)
-        for (int x = 0; x < int(e.width); ++x) {
-            float sum = 0;
-            for (int dy = -1; dy <= 1; ++dy)
-                for (int dx = -1; dx <= 1; ++dx) sum += kWeights[dx + 1] * kWeights[dy + 1] * at(x + dx, y + dy);
-            out[size_t(y) * e.width + x] = sum;
-        }
-    return out;
+    return flux;
 }
 
 constexpr uint32_t kMaxTableWidth = 1024, kMaxTableHeight = 512;
@@ -76,51 +54,16 @@ void SceneGpu::State::make_environment() {
                    .table_width = 1,
                    .table_height = 1,
                    .emitter = shared::kNone};
-    environment_flux = 1.0f;  // mean luminance of the map over the sphere
-    std::vector<double> weights(1, 1.0);
     if (!e.radiance.empty()) {
         environment.table_width = std::min(e.width, kMaxTableWidth);
         environment.table_height = std::min(e.height, kMaxTableHeight);
-        weights.assign(size_t(environment.table_width) * environment.table_height, 0.0);
-        const std::vector<float> lum = filtered_luminance(e);
-        for (uint32_t y = 0; y < e.height; ++y) {
-            const double solid_angle = 2.0 * kPi / e.width * (std::cos(kPi * y / double(e.height)) - std::cos(kPi * (y + 1) / double(e.height)));
-            const uint32_t row = uint32_t(uint64_t(y) * environment.table_height / e.height);
-            for (uint32_t x = 0; x < e.width; ++x)
-                weights[size_t(row) * environment.table_width + uint64_t(x) * environment.table_width / e.width] += solid_angle * lum[size_t(y) * e.width + x];
-        }
-        environment_flux = static_cast<float>(std::accumulate(weights.begin(), weights.end(), 0.0) / (4.0 * kPi));
     }
-    std::vector<shared::AliasEntry> rows;
-    append_alias_rows(weights, rows);
+    const std::vector<double> flux = environment_flux(e, environment.table_width, environment.table_height);
+    environment_luminance = std::accumulate(flux.begin(), flux.end(), 0.0) / (4.0 * kPi);
+    std::vector<shared::AliasEntry> rows = make_alias_rows(flux);
+    for (size_t i = 0; i < rows.size(); ++i)
+        rows[i].pmf = static_cast<float>(rows[i].pmf / environment_cell_solid_angle(static_cast<uint32_t>(i / environment.table_width), environment.table_width, environment.table_height));
     environment_alias = make_table("environment_alias", std::move(rows));
-}
-
-// Object-space areas: they depend on nothing but which geometries emit.
-void SceneGpu::State::make_triangle_tables() {
-    std::vector<std::pair<Handle<Mesh>, uint32_t>> parts;
-    for (const Handle<Mesh> handle : wanted_meshes) {
-        const Mesh& mesh = scene->get(handle);
-        for (uint32_t g = 0; g < mesh.primitives.size(); ++g) {
-            const shared::Material& material = materials[mesh.primitives[g].material.index];
-            if (!mesh.primitives[g].triangles.empty() && material.emission != glm::vec3(0.0f) && (material.flags & shared::kMaterialUnlit) == 0) parts.emplace_back(handle, g);
-        }
-    }
-    if (triangle_alias && parts == emissive_parts) return;
-    emissive_parts = std::move(parts);
-    triangle_table_of_geometry.clear();
-    std::vector<shared::AliasEntry> rows;
-    for (const auto& [handle, g] : emissive_parts) {
-        const Primitive& primitive = scene->get(handle).primitives[g];
-        std::vector<double> areas;
-        areas.reserve(primitive.triangles.size());
-        for (const glm::uvec3& t : primitive.triangles)
-            areas.push_back(0.5 * glm::length(glm::cross(primitive.positions[t.y] - primitive.positions[t.x], primitive.positions[t.z] - primitive.positions[t.x])));
-        triangle_table_of_geometry[meshes.at(handle).geometry_base + g] = static_cast<uint32_t>(rows.size());
-        append_alias_rows(areas, rows);
-    }
-    stats.emissive_triangles = rows.size();
-    triangle_alias = make_table("triangle_alias", std::move(rows));
 }
 
 void SceneGpu::State::place_emitters() {
@@ -139,13 +82,15 @@ void SceneGpu::State::place_emitters() {
         const Mesh& mesh = scene->get(instance.drawn_mesh());
         for (uint32_t g = 0; g < instances[i].geometry_count; ++g) {
             const uint32_t geometry = instances[i].geometry_base + g;
-            const auto table = triangle_table_of_geometry.find(geometry);
-            if (table == triangle_table_of_geometry.end()) continue;
+            const auto offset = triangle_table_of_geometry.find(geometry);
+            if (offset == triangle_table_of_geometry.end()) continue;
+            const EmissiveTable& table = *emissive_table_of_geometry.at(geometry);
             const shared::Material& material = materials[geometries[geometry].material];
+            const double strength = table.shown.empty() ? luminance(material.emission) : max_component(material.emission);
             const double sides = (material.flags & shared::kMaterialDoubleSided) != 0 ? 2.0 : 1.0;
             geometry_emitter_rows[instances[i].emitter_base + g] = static_cast<uint32_t>(emitters.size());
-            add({.kind = shared::kEmitterMesh, .instance = i, .geometry = geometry, .triangle_count = geometries[geometry].triangle_count, .triangle_table = table->second},
-                sides * kPi * luminance(material.emission) * world_area(mesh.primitives[g], instance.place.world_from_object), false);
+            add({.kind = shared::kEmitterMesh, .instance = i, .geometry = geometry, .triangle_count = geometries[geometry].triangle_count, .triangle_table = offset->second},
+                sides * kPi * strength * world_flux(mesh.primitives[g], table, instance.place.world_from_object), false);
         }
     }
     for (const auto& [handle, light] : scene->lights()) {
@@ -163,19 +108,18 @@ void SceneGpu::State::place_emitters() {
         add(row, light.kind == LightKind::Directional ? luminance(intensity) : luminance(intensity) * solid_angle, light.kind == LightKind::Directional);
     }
     environment.emitter = shared::kNone;
-    if (!scene->environment().black()) {
+    if (!scene->environment().black() && environment_luminance > 0) {
         environment.emitter = static_cast<uint32_t>(emitters.size());
-        add({.kind = shared::kEmitterEnvironment}, kPi * luminance(environment.scale) * environment_flux, true);
+        add({.kind = shared::kEmitterEnvironment}, kPi * luminance(environment.scale) * environment_luminance, true);
     }
 
-    // Infinite emitters have no flux to compare by: they get a set share.
+    // Infinite emitters have no flux to compare by: they get a set share, where both kinds shine.
     const double finite_total = std::accumulate(finite.begin(), finite.end(), 0.0), infinite_total = std::accumulate(infinite.begin(), infinite.end(), 0.0);
-    const double share = finite.empty() ? 1.0 : infinite.empty() ? 0.0 : double(options.infinite_share);
+    const double share = finite_total <= 0 ? 1.0 : infinite_total <= 0 ? 0.0 : double(options.infinite_share);
     std::vector<double> weights(emitters.size());
-    for (size_t k = 0; k < finite.size(); ++k) weights[finite_rows[k]] = (1 - share) * (finite_total > 0 ? finite[k] / finite_total : 1.0 / double(finite.size()));
-    for (size_t k = 0; k < infinite.size(); ++k) weights[infinite_rows[k]] = share * (infinite_total > 0 ? infinite[k] / infinite_total : 1.0 / double(infinite.size()));
-    std::vector<shared::AliasEntry> rows;
-    append_alias_rows(weights, rows);
+    for (size_t k = 0; k < finite.size(); ++k) weights[finite_rows[k]] = finite_total > 0 ? (1 - share) * (finite[k] / finite_total) : 0;
+    for (size_t k = 0; k < infinite.size(); ++k) weights[infinite_rows[k]] = infinite_total > 0 ? share * (infinite[k] / infinite_total) : 0;
+    std::vector<shared::AliasEntry> rows = make_alias_rows(weights);
     emitter_table = make_table("emitters", std::span<const shared::Emitter>(emitters));
     emitter_alias = make_table("emitter_alias", std::move(rows));
     suns = make_table("suns", std::span<const uint32_t>(sun_rows));

@@ -77,6 +77,7 @@ void SceneGpu::State::begin_anew() {
     environment_image = {};
     geometries.clear();
     geometry_table = triangle_alias = {};
+    emissive_parts.clear();
     instances.clear();
     instance_rows.clear();
     free_rows.clear();

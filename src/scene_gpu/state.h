@@ -6,6 +6,8 @@
 //      of the meantime wait.
 //   3. publish: the top level, the header and set 0. From then on binding() shows it.
 #include <cstring>
+#include <memory>
+#include <span>
 #include <unordered_map>
 #include <unordered_set>
 #include <vector>
@@ -62,6 +64,26 @@ struct Measurement {
     std::vector<gpu::AccelStruct> built;  // a mesh may have another by then
 };
 
+// Which light of an emissive geometry comes from which triangle, in object space. Exists just if some triangle can shine.
+struct EmissiveTable {
+    std::vector<shared::AliasEntry> rows;  // by triangle: area x what it shows of the emissive texture
+    std::vector<float> shown;              // by triangle: mean of the texture's tinted luminance; empty: 1 everywhere
+    double flux = 0;                       // sum of area x shown
+};
+
+// A geometry whose material emits, and what its table follows.
+struct EmissivePart {
+    Handle<Mesh> mesh;
+    uint32_t primitive = 0;
+    Handle<Texture> texture;  // none: uniform
+    shared::TextureRef ref{};
+    glm::vec3 tint{1.0f};     // textured: the emission's colour, largest channel 1
+    std::shared_ptr<const EmissiveTable> table;  // none: it is black
+    bool same_light(const EmissivePart& other) const;
+};
+// Alias rows of non-negative weights. All-zero weights become equal ones: a table must return something.
+std::vector<shared::AliasEntry> make_alias_rows(std::span<const double> weights);
+
 struct TopLevel {
     gpu::AccelStruct tlas;
     gpu::Buffer nodes, items;            // ours
@@ -108,10 +130,11 @@ struct SceneGpu::State {
     std::vector<shared::Emitter> emitters;
     gpu::Buffer emitter_table, emitter_alias, triangle_alias, geometry_emitters, environment_alias, suns;
     std::vector<uint32_t> sun_rows;
+    std::vector<EmissivePart> emissive_parts;  // whose tables triangle_alias holds, one after the other
     std::unordered_map<uint32_t, uint32_t> triangle_table_of_geometry;  // geometry row -> offset in triangle_alias
-    std::vector<std::pair<Handle<Mesh>, uint32_t>> emissive_parts;      // whose tables triangle_alias holds
+    std::unordered_map<uint32_t, std::shared_ptr<const EmissiveTable>> emissive_table_of_geometry;
     shared::Environment environment{};
-    float environment_flux = 0;
+    double environment_luminance = 0;  // mean of the map over the sphere, without its scale
     ImageOnDevice environment_image;
     // instances.cpp
     std::vector<shared::Instance> instances;
@@ -153,6 +176,7 @@ struct SceneGpu::State {
     void make_geometries();
     void make_environment();
     void make_triangle_tables();
+    std::vector<EmissivePart> find_emissive_parts() const;
     void assign_instance_rows();
     void place_instances();  // instance rows, driver's and our top level
     void place_emitters();   // the top of the light table

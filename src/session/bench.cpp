@@ -26,6 +26,7 @@ const std::vector<Suite>& suites() {
         {"quick", {"builtin:cornell", "builtin:spheres"}, {320, 180}, 16},
         {"replay", {"builtin:cornell", "builtin:spheres", "builtin:textured"}, {640, 360}, 4},
         {"full", {"builtin:cornell", "builtin:diffuse-box", "builtin:spheres", "builtin:textured"}, {1280, 720}, 64},
+        {"reference", {"builtin:cornell", "builtin:diorama", "builtin:many-lights"}, {1920, 1080}, 64},
     };
     return all;
 }
@@ -62,6 +63,7 @@ RenderOptions job_options(const BenchCase& what, const std::vector<std::string>&
                     : what.way == gpu::TraceWay::Query  ? TraceChoice::Query
                                                         : TraceChoice::Compute;
     options.assignments = assignments;
+    if (what.in_hit) options.assignments.emplace_back("reference.shade_in=closest_hit");
     return options;
 }
 
@@ -69,12 +71,18 @@ RenderOptions job_options(const BenchCase& what, const std::vector<std::string>&
 
 std::vector<BenchCase> bench_cases(const OptionValues& values, const gpu::DeviceCaps& caps) {
     const Suite& suite = find_suite(values);
-    const std::vector<std::string> scenes = values.given("--scene") ? values.texts("--scene") : suite.scenes;
+    std::vector<std::string> scenes = values.given("--scene") ? values.texts("--scene") : suite.scenes;
+    for (const std::string& scene : values.texts("--also")) scenes.push_back(scene);
     const Size2 size = values.given("--size") ? parse_size(values.text("--size"), "--size") : suite.size;
     const uint64_t spp = values.given("--spp") ? static_cast<uint64_t>(parse_int(values.text("--spp"), "--spp")) : suite.spp;
     std::vector<BenchCase> cases;
     for (const std::string& scene : scenes)
-        for (const gpu::TraceWay way : chosen_ways(values, caps)) cases.push_back({scene, way, size, spp, suite.name == "replay"});
+        for (const gpu::TraceWay way : chosen_ways(values, caps)) {
+            BenchCase what{scene, way, size, spp, suite.name == "replay"};
+            cases.push_back(what);
+            what.in_hit = suite.name == "reference" && way == gpu::TraceWay::Pipeline;
+            if (what.in_hit) cases.push_back(what);
+        }
     return cases;
 }
 
@@ -96,7 +104,7 @@ std::vector<BenchRow> run_bench_cases(const std::vector<BenchCase>& cases, const
 }
 
 std::string case_key(const BenchCase& what) {
-    return fmt::format("{} reference {} {}x{} {}", what.scene, trace_way_name(what.way), what.size.width, what.size.height, what.spp);
+    return fmt::format("{} reference {}{} {}x{} {}", what.scene, trace_way_name(what.way), what.in_hit ? " closest_hit" : "", what.size.width, what.size.height, what.spp);
 }
 
 Json bench_json(const std::vector<BenchRow>& rows, const gpu::DeviceCaps& caps) {
@@ -113,15 +121,24 @@ Json bench_json(const std::vector<BenchRow>& rows, const gpu::DeviceCaps& caps) 
     return {{"device", caps.name}, {"driver", caps.driver}, {"runs", list}};
 }
 
+namespace {
+
+std::string_view shading_place(const RenderReport& report) {
+    if (report.trace != trace_way_name(gpu::TraceWay::Pipeline)) return "compute";
+    return report.shade_in_hit ? "closest hit" : "raygen";
+}
+
+}  // namespace
+
 std::string bench_table(const std::vector<BenchRow>& rows) {
-    std::string out = fmt::format("{:<28} {:<9} {:>11} {:>6} {:>10} {:>12} {:>10} {:>12}  {}\n", "scene", "trace", "size", "spp", "ms",
+    std::string out = fmt::format("{:<28} {:<9} {:<11} {:>11} {:>6} {:>10} {:>12} {:>10} {:>12}  {}\n", "scene", "trace", "shade in", "size", "spp", "ms",
                                   "Msamples/s", "Mrays/s", "trace share", "to baseline");
     for (const BenchRow& row : rows) {
         const std::string size = fmt::format("{}x{}", row.what.size.width, row.what.size.height);
         const std::string ratio = row.baseline_seconds ? fmt::format("x{:.3f}", row.seconds() / *row.baseline_seconds) : "-";
         const std::string share = row.replay ? fmt::format("{:.1f} %", row.replay->share() * 100) : "-";
-        out += fmt::format("{:<28} {:<9} {:>11} {:>6} {:>10.1f} {:>12.3f} {:>10.3f} {:>12}  {}\n", escape_name(row.what.scene),
-                           trace_way_name(row.what.way), size, row.what.spp, row.seconds() * 1e3, row.report.mega_samples_per_second(),
+        out += fmt::format("{:<28} {:<9} {:<11} {:>11} {:>6} {:>10.1f} {:>12.3f} {:>10.3f} {:>12}  {}\n", escape_name(row.what.scene),
+                           trace_way_name(row.what.way), shading_place(row.report), size, row.what.spp, row.seconds() * 1e3, row.report.mega_samples_per_second(),
                            row.report.mega_rays_per_second(), share, ratio);
     }
     return out;

@@ -1,5 +1,5 @@
 #pragma once
-// `parhelion bench`: scenes x renderers x ways to trace on one device, as a table and as JSON.
+// `parhelion bench`: scenes x renderers x ways to trace (and places to shade) on one device, as a table and as JSON.
 #include <functional>
 #include <optional>
 #include <string>
@@ -17,7 +17,8 @@ struct BenchCase {
     gpu::TraceWay way;
     Size2 size;
     uint64_t spp;
-    bool replay = false;  // also measure the trace share
+    bool replay = false;   // also measure the trace share
+    bool in_hit = false;   // reference.shade_in=closest_hit
 };
 
 struct BenchRow {
@@ -28,7 +29,7 @@ struct BenchRow {
     double seconds() const { return report.render_seconds; }
 };
 
-// The cases of a suite on a device, or of the options' scenes, ways, size and spp. Throws a usage Error for an unknown suite, and
+// The cases of a suite on a device, or of the options' scenes, ways, size and spp; the suite `reference` also shades in both places. Throws a usage Error for an unknown suite, and
 // MissingFeature for a way that the device lacks.
 std::vector<BenchCase> bench_cases(const OptionValues& values, const gpu::DeviceCaps& caps);
 

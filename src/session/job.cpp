@@ -9,6 +9,7 @@
 #include "base/log.h"
 #include "renderers/reference.h"
 #include "scene/load.h"
+#include "session/camera_setup.h"
 #include "session/film_state.h"
 #include "session/metering.h"
 #include "session/pictures.h"
@@ -60,6 +61,7 @@ public:
 
     RenderReport run() {
         check_targets(options_);
+        check_way(options_.trace == TraceChoice::Auto || options_.trace == TraceChoice::Pipeline);
         load();
         open_device();
         set_up();
@@ -86,11 +88,12 @@ public:
     }
 
 private:
+    void check_way(bool pipeline) const { check_reference({.texture_lod = settings_.texture_lod, .shade_in = settings_.shade_in}, pipeline); }
     void load();
     void open_device();
     void set_up();
     bool bring_in_scene();
-    ViewDesc describe_view(const CameraView& camera) const;
+    ViewDesc describe_view() const;
     void resume();
     void render();
     [[noreturn]] void rethrow_with_checkpoint(const Error& error) const;
@@ -110,7 +113,7 @@ private:
     gpu::DevicePtr device_;
     Clock::time_point began_;
     LoadedScene loaded_;
-    CameraView camera_;
+    MovingCamera camera_;
     gpu::TraceWay way_ = gpu::TraceWay::Compute;
     std::unique_ptr<SceneGpu> scene_gpu_;
     std::unique_ptr<Frame> frame_;
@@ -125,7 +128,7 @@ void Job::load() {
     const auto begin = Clock::now();
     loaded_ = load_scene(options_.scene, options_.load);
     add_light(loaded_.scene, options_, sky_options(settings_));
-    camera_ = choose_camera(loaded_.scene, options_, report_.camera);
+    camera_ = set_up_camera(loaded_, options_, settings_.culling == Culling::Gltf, report_.camera);
     report_.scene = options_.scene;
     report_.triangles = count_triangles(loaded_.scene);
     report_.instances = loaded_.scene.instances().size();
@@ -137,17 +140,20 @@ void Job::load() {
 void Job::open_device() {
     if (!device_) device_ = gpu::Device::open({.selector = options_.device, .validate = options_.validate});
     way_ = choose_trace_way(device_->caps(), options_.trace);
+    check_way(way_ == gpu::TraceWay::Pipeline);
     report_.device = device_->caps().name;
     report_.driver = device_->caps().driver;
     report_.trace = trace_way_name(way_);
+    report_.shade_in_hit = settings_.shade_in == ShadeIn::ClosestHit;
     log(LogLevel::Info, "device {} ({}), traces by {}", escape_name(report_.device), escape_name(report_.driver), report_.trace);
 }
 
-ViewDesc Job::describe_view(const CameraView& camera) const {
+ViewDesc Job::describe_view() const {
     const float aspect = static_cast<float>(options_.size.width) / static_cast<float>(options_.size.height);
     return {.width = options_.size.width,
             .height = options_.size.height,
-            .camera = shader_camera(camera, aspect),
+            .camera = shader_camera(camera_.opens, aspect),
+            .camera_at_close = camera_.closes ? std::optional(shader_camera(*camera_.closes, aspect)) : std::nullopt,
             .seed = options_.seed,
             .max_bounces = options_.max_bounces == 0 ? 0xFFFFFFFFu : options_.max_bounces,
             .sampler = settings_.sampler,
@@ -155,8 +161,10 @@ ViewDesc Job::describe_view(const CameraView& camera) const {
             .roulette_start = settings_.roulette_start,
             .light_sampling = static_cast<uint32_t>(settings_.light_sampling),
             .texture_lod = settings_.texture_lod,
+            .shade_in = settings_.shade_in,
             .energy_compensation = settings_.energy_compensation == Switch::On,
             .normal_correction = settings_.normal_correction == Switch::On,
+            .spawn_offset = settings_.spawn_offset,
             .firefly_clamp = settings_.firefly_clamp,
             .aovs = options_.aovs};
 }
@@ -171,7 +179,7 @@ void Job::set_up() {
                                                                      .own_bvh = !hardware});
     scene_gpu_->sync(loaded_.scene);
     if (!bring_in_scene()) return;
-    const ViewDesc desc = describe_view(camera_);
+    const ViewDesc desc = describe_view();
     view_ = std::make_unique<View>(device_, desc);
     view_->prepare(*frame_);
     frame_->run();
@@ -207,10 +215,10 @@ void Job::resume() {
     IndexRange samples = options_.samples;
     std::error_code ignored;
     if (options_.resume && std::filesystem::exists(options_.checkpoint, ignored)) {
-        image::FilmSums film = read_checkpoint(options_.checkpoint, sums_of({view_->channels(), {}}, samples.end), samples);
+        image::FilmSums film = read_checkpoint(options_.checkpoint, sums_of(view_->film_layout(), samples.end), samples);
         log(LogLevel::Info, "resuming after {} samples", film.sample_end - film.sample_begin);
         samples.begin = checkpoint_end_ = film.sample_end;
-        view_->restore_film(std::move(film.limbs));
+        view_->restore_film(film_readback(std::move(film), view_->film_layout()));
         view_->prepare(*frame_);
         frame_->run();
     }

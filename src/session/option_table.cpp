@@ -70,7 +70,13 @@ const OptionSpec kOptions[] = {
     {.name = "--fps", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "F",
      .help = "frames per second of the scene's clock; 0 holds time", .min = 0, .max = 1e6, .bits = kAbsent},
     {.name = "--camera-path", .section = "Camera and time", .commands = kRender, .kind = ValueKind::File, .value = "F.json",
-     .help = "move the camera along a path", .bits = kAbsent},
+     .help = "a camera that moves along the keys of a file (docs/camera.md); --time says where on it", .exclusive = kViewpoint},
+    {.name = "--aperture-radius", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "METRES",
+     .fallback = "0", .help = "radius of a thin lens: what lies before or behind its focus blurs; 0 is a pinhole", .max = 1e3},
+    {.name = "--focus-distance", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "METRES",
+     .help = "depth at which the lens is sharp (default: of what lies in the picture's middle)", .min = 1e-6, .max = 1e9},
+    {.name = "--shutter", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "SECONDS", .fallback = "0",
+     .help = "how long the shutter stays open from --time on: the camera moves meanwhile, objects stand still", .max = 1e6},
 
     // Scene
     {.name = "--time", .section = "Scene", .commands = kTakesScene, .kind = ValueKind::Number, .value = "T", .fallback = "0",
@@ -105,9 +111,8 @@ const OptionSpec kOptions[] = {
      .help = "numbers in the EXR", .choices = "half|float"},
     {.name = "--aov", .section = "Output", .commands = kRender, .kind = ValueKind::List, .value = "LIST",
      .help = "further layers of the EXR, separated by commas; path.* stands for all of a group",
-     .choices = "albedo|normal|emission|roughness|depth|motion|path.emission|path.direct_diffuse|path.direct_specular|"
-                "path.indirect_diffuse|path.indirect_specular|path.transmission",
-     .absent_choices = "depth|motion"},
+     .choices = "albedo|normal|emission|roughness|depth|ids|motion|variance|path.emission|path.direct_diffuse|path.direct_specular|"
+                "path.indirect_diffuse|path.indirect_specular|path.transmission"},
     {.name = "--checkpoint", .section = "Output", .commands = kRender, .kind = ValueKind::File, .value = "F",
      .help = "save the state of the render here from time to time", .bits = kNotInPreset, .renderers = kPathTracers,
      .instead = kPathTracersOnly},
@@ -160,6 +165,8 @@ const OptionSpec kOptions[] = {
     // bench
     {.name = "--scene", .section = "What runs", .commands = kBench, .kind = ValueKind::Text, .value = "SCENE",
      .help = "a scene instead of the suite's; may be given again", .bits = kRepeats},
+    {.name = "--also", .section = "What runs", .commands = kBench, .kind = ValueKind::Text, .value = "SCENE",
+     .help = "a scene besides those; may be given again", .bits = kRepeats},
     {.name = "--trace", .section = "What runs", .commands = kBench, .kind = ValueKind::Choice, .value = "WAY",
      .help = "one way to trace instead of all that the device has; may be given again", .choices = "pipeline|query|compute",
      .bits = kRepeats},
@@ -213,10 +220,11 @@ const CommandSpec kCommands[] = {
      {"parhelion export builtin:cornell --out cornell.glb", "parhelion export scene.glb --out folder/scene.gltf",
       "parhelion export builtin:spheres --out spheres.glb --json numbers.json"}},
     {Command::Bench, "bench", "[SUITE]", 0, 1, "measure speed: scenes x renderers x ways to trace",
-     "SUITE is quick (default), full, or replay (which share of a pass its rays alone take). Prints a table, and JSON with --json. "
+     "SUITE is quick (default), full, replay (which share of a pass its rays alone take), or reference (the path tracer on large "
+     "scenes, shading in raygen and in closest-hit shaders). Prints a table, and JSON with --json. "
      "Compare numbers of one device only.",
      {"parhelion bench", "parhelion bench full --json now.json --baseline before.json",
-      "parhelion bench --scene scene.glb --trace compute"}},
+      "parhelion bench --scene scene.glb --trace compute", "parhelion bench reference --also a.glb --also b.glb --json reference.json"}},
     {Command::Settings, "settings", "", 0, 0, "list every setting of --set with its range and default", "", {"parhelion settings"}},
     {Command::Help, "help", "[COMMAND]", 0, 1, "explain a command", "",
      {"parhelion help render", "parhelion help --man > parhelion.1",

@@ -55,6 +55,12 @@ void read_view(const OptionValues& values, RenderOptions& options) {
         throw Error(ErrorCode::Usage, "it needs --look-from", values.where("--look-at"), "say where the camera is: --look-from x,y,z");
     if (options.look_from && options.look_from == options.look_at)
         throw Error(ErrorCode::Usage, "it is the same point as --look-from", values.where("--look-at"), "choose two different points");
+    if (values.given("--camera-path")) options.camera_path = values.text("--camera-path");
+    options.shutter_seconds = parse_float(values.text("--shutter"), "--shutter");
+    options.aperture_radius = parse_float(values.text("--aperture-radius"), "--aperture-radius");
+    options.focus_distance = read_optional_number(values, "--focus-distance");
+    if (options.focus_distance && options.aperture_radius == 0)
+        throw Error(ErrorCode::Usage, "a pinhole shows every distance sharp", values.where("--focus-distance"), "add --aperture-radius METRES");
     if (values.given("--env")) options.environment = values.text("--env");
     options.env_intensity = parse_float(values.text("--env-intensity"), "--env-intensity");
     options.env_rotation_degrees = parse_float(values.text("--env-rotation"), "--env-rotation");

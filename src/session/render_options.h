@@ -40,6 +40,10 @@ struct RenderOptions {
     std::string camera;  // name or index; empty: the scene's first
     std::optional<std::array<double, 3>> look_from, look_at;
     std::optional<double> fov_degrees;  // vertical
+    std::filesystem::path camera_path;  // file of a CameraPath; empty: none
+    double shutter_seconds = 0;         // from load.time on
+    double aperture_radius = 0;         // metres; 0: a pinhole
+    std::optional<double> focus_distance;  // metres; none: of what lies in the picture's middle
 
     std::string environment;  // file; empty: the scene's
     double env_intensity = 1, env_rotation_degrees = 0;

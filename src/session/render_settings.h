@@ -14,11 +14,13 @@ struct RenderSettings {
     SamplerKind sampler = SamplerKind::Owen;
     uint32_t roulette_start = 2;
     LightSampling light_sampling = LightSampling::Mis;
+    ShadeIn shade_in = ShadeIn::Raygen;
     Culling culling = Culling::Gltf;
     float infinite_share = 0.5f;
     float sun_elevation = 40.0f, sun_azimuth = 45.0f;  // degrees
     TextureLod texture_lod = TextureLod::Full;
     Switch energy_compensation = Switch::On, normal_correction = Switch::On;
+    SpawnOffset spawn_offset = SpawnOffset::ErrorBounds;
     float firefly_clamp = 0.0f;
 };
 
@@ -29,6 +31,8 @@ void visit(V&& v, RenderSettings& s) {
     v.field("reference.roulette_start", s.roulette_start, range(1, 65535), "bounce from which paths may end by Russian roulette");
     v.field("reference.light_sampling", s.light_sampling, choices({"mis", "light", "bsdf"}),
             "direct light by both samplings weighted, by light sampling alone, or by the BSDF's alone");
+    v.field("reference.shade_in", s.shade_in, choices({"raygen", "closest_hit"}),
+            "which shaders of the ray tracing pipeline shade; closest_hit needs --trace pipeline and texture.lod=full");
     v.field("scene.culling", s.culling, choices({"none", "gltf"}), "gltf: single-sided surfaces are invisible from behind");
     v.field("light.infinite_share", s.infinite_share, range(0, 1),
             "share of light samples for sky and directional lights where other lights exist too");
@@ -38,6 +42,8 @@ void visit(V&& v, RenderSettings& s) {
             "light that rough surfaces scatter more than once between microfacets: lost, or added");
     v.field("shading.normal_correction", s.normal_correction, choices({"off", "on"}),
             "bend shading normals so that reflections stay above the real surface");
+    v.field("reference.spawn_offset", s.spawn_offset, choices({"error_bounds", "integer"}),
+            "how rays leave surfaces: moved by bounds of the rounding errors, or by fixed numbers of roundings (document 002)");
     v.field("reference.firefly_clamp", s.firefly_clamp, range(0, 1e30),
             "most nits that one contribution after the first scattering may add to a sample (biased); 0: no limit");
     v.field("sky.sun_elevation", s.sun_elevation, range(-18, 90), "degrees of the clear sky's sun above the horizon");

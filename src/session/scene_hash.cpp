@@ -28,7 +28,7 @@ void add_material(Hasher& hasher, const Material& m) {
     add_plain(hasher, m.emission);
     hasher.add(m.metallic).add(m.roughness).add(m.normal_scale).add(m.alpha_mode).add(m.alpha_cutoff).add(m.double_sided).add(m.unlit);
     hasher.add(m.ior).add(m.specular).add(m.transmission);
-    hasher.add(m.thickness).add(m.attenuation_distance).add(m.dispersion);
+    hasher.add(m.thickness).add(m.attenuation_distance).add(m.dispersion).add(m.nested_priority);
     hasher.add(m.clearcoat).add(m.clearcoat_roughness).add(m.clearcoat_normal_scale);
     hasher.add(m.sheen_roughness).add(m.anisotropy).add(m.anisotropy_rotation);
     hasher.add(m.iridescence).add(m.iridescence_ior).add(m.iridescence_thickness_min).add(m.iridescence_thickness_max);

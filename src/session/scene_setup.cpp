@@ -50,6 +50,19 @@ void add_light(Scene& scene, const RenderOptions& options, const SkyOptions& sky
     scene.apply(std::move(edit));
 }
 
+std::optional<Handle<Camera>> scene_camera(const Scene& scene, const RenderOptions& options) {
+    if (options.look_from || !options.camera_path.empty()) return std::nullopt;
+    if (!options.camera.empty()) return find_camera(scene, options.camera);
+    return scene.cameras().empty() ? std::nullopt : std::optional((*scene.cameras().begin()).handle);
+}
+
+void apply_fov(CameraView& view, const RenderOptions& options) {
+    if (!options.fov_degrees) return;
+    if (view.orthographic)
+        throw Error(ErrorCode::Usage, "this camera is orthographic", "--fov", "leave it out or choose another camera");
+    view.yfov = static_cast<float>(*options.fov_degrees * std::numbers::pi / 180.0);
+}
+
 CameraView choose_camera(const Scene& scene, const RenderOptions& options, std::string& description) {
     const float aspect = static_cast<float>(options.size.width) / static_cast<float>(options.size.height);
     const auto vec = [](const std::array<double, 3>& v) { return glm::vec3(v[0], v[1], v[2]); };
@@ -59,19 +72,14 @@ CameraView choose_camera(const Scene& scene, const RenderOptions& options, std::
         const glm::vec3 target = options.look_at ? vec(*options.look_at) : bounds.empty() ? glm::vec3(0.0f) : bounds.center();
         view = look_at(vec(*options.look_from), target, 0.8f);
         description = "(--look-from)";
-    } else if (!options.camera.empty() || !scene.cameras().empty()) {
-        const Handle<Camera> handle = options.camera.empty() ? (*scene.cameras().begin()).handle : find_camera(scene, options.camera);
-        view = view_of(scene.get(handle), aspect);
-        description = scene.get(handle).name;
+    } else if (const auto handle = scene_camera(scene, options)) {
+        view = view_of(scene.get(*handle), aspect);
+        description = scene.get(*handle).name;
     } else {
         view = framing_view(bounds, aspect);
         description = "(frames the scene)";
     }
-    if (options.fov_degrees) {
-        if (view.orthographic)
-            throw Error(ErrorCode::Usage, "this camera is orthographic", "--fov", "leave it out or choose another camera");
-        view.yfov = static_cast<float>(*options.fov_degrees * std::numbers::pi / 180.0);
-    }
+    apply_fov(view, options);
     return view;
 }
 
@@ -81,7 +89,9 @@ shared::Camera shader_camera(const CameraView& view, float aspect) {
             .right_ws = view.right * half.x,
             .up_ws = view.up * half.y,
             .forward_ws = view.forward,
-            .orthographic = view.orthographic};
+            .orthographic = view.orthographic,
+            .lens_radius = view.lens_radius,
+            .focus_distance = view.focus_distance};
 }
 
 gpu::TraceWay choose_trace_way(const gpu::DeviceCaps& caps, TraceChoice choice) {

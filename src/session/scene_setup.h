@@ -1,5 +1,6 @@
 #pragma once
 // From options to a scene with light and a camera.
+#include <optional>
 #include <string>
 
 #include "gpu/device.h"
@@ -15,6 +16,10 @@ namespace parhelion {
 void add_light(Scene& scene, const RenderOptions& options, const SkyOptions& sky);
 bool has_light(const Scene& scene);  // or is shown unlit (KHR_materials_unlit) throughout, which needs none
 
+// The camera of the scene that the options choose, if they choose one. Throws a usage Error if the scene does not have it.
+std::optional<Handle<Camera>> scene_camera(const Scene& scene, const RenderOptions& options);
+// Gives the view the field of view of --fov, if there is one. Throws a usage Error where the camera has none.
+void apply_fov(CameraView& view, const RenderOptions& options);
 // The options' camera, else the scene's, else one that frames the scene. `description` says which, for the summary.
 CameraView choose_camera(const Scene& scene, const RenderOptions& options, std::string& description);
 shared::Camera shader_camera(const CameraView& view, float aspect);

@@ -96,6 +96,34 @@ TEST_F(GpuLayer, programs_are_made_once_and_refuse_wrong_bindings) {
     EXPECT_NE(error_line([&] { commands.dispatch(1u << 31, 1, 1); }).find("work groups"), std::string::npos);
 }
 
+// A pipeline whose closest-hit shader is of the raygen's variant has all of them in it: they share a payload.
+TEST_F(GpuLayer, hit_and_miss_shaders_are_of_the_raygens_variant_together_or_plain) {
+    const auto pack = [](auto keeps) {
+        std::vector<ShaderCode> shaders;
+        for (const ShaderCode& shader : ShaderPack::builtin().all())
+            if (keeps(shader)) shaders.push_back(shader);
+        return ShaderPack(PackWriter().write(shaders));
+    };
+    const auto is_part = [](const ShaderCode& shader, std::string_view name) { return shader.name == name && shader.variant == "+SHADE_IN_HIT"; };
+    const auto get = [&](const ShaderPack& from) { return error_line([&] { Program::get(device(), from, "reference/path_trace", "pipeline+SHADE_IN_HIT", true); }); };
+    if (!device()->caps().ray_pipeline) GTEST_SKIP() << "no ray tracing pipelines";
+    for (const char* name : {"scene/miss", "scene/shadow_miss"}) {
+        const std::string line = get(pack([&](const ShaderCode& shader) { return !is_part(shader, name); }));
+        EXPECT_NE(line.find(fmt::format("there is no miss shader '{}' in variant '+SHADE_IN_HIT'", name)), std::string::npos) << line;
+    }
+    const std::string line = get(pack([&](const ShaderCode& shader) { return !(is_part(shader, "scene/hit") && shader.stage == Stage::AnyHit); }));
+    EXPECT_NE(line.find("there is no any hit shader 'scene/hit' in variant '+SHADE_IN_HIT'"), std::string::npos) << line;
+
+    // What shades sees the view at the address that raygen pushes; a raygen that pushes another thing first is refused.
+    std::vector<ShaderCode> shaders(ShaderPack::builtin().all().begin(), ShaderPack::builtin().all().end());
+    for (ShaderCode& shader : shaders)
+        if (shader.name == "reference/path_trace" && shader.stage == Stage::Raygen)
+            for (PushPointer& pointer : shader.push_pointers)
+                if (pointer.name == "view") pointer.name = "another";
+    const std::string mixed = get(ShaderPack(PackWriter().write(shaders)));
+    EXPECT_NE(mixed.find("the push constants of reference/path_trace have no address 'view' at 0"), std::string::npos) << mixed;
+}
+
 TEST_F(GpuLayer, the_scene_set_holds_a_header_and_textures_and_mips_are_averages) {
     const Buffer header = mapped_buffer(device(), std::vector<uint32_t>{8}), out(device(), "test/texels", 8 * 16, MemoryKind::Readback);
     const Sampler sampler(device(), {}), same(device(), {}), nearest(device(), {.mag = Filter::Nearest, .min = Filter::Nearest});

@@ -79,6 +79,25 @@ TEST_P(Equality, the_same_command_draws_the_same_bits) {
     }
 }
 
+// Document 002 shades in closest-hit and miss shaders. They call the functions that raygen calls, so the CPU device draws the same
+// bits, classes and first surfaces included; other compilers may round otherwise in another stage.
+class ShadeInHit : public Equality {};
+
+TEST_P(ShadeInHit, hit_and_miss_shaders_that_shade_draw_the_same_picture) {
+    if (!device()->caps().ray_pipeline) {
+        EXPECT_FALSE(is_required("pipeline")) << device()->caps().name << " has no ray tracing pipelines";
+        GTEST_SKIP() << "no ray tracing pipelines";
+    }
+    Shot shot{.way = gpu::TraceWay::Pipeline, .view = {.width = 48, .height = 48, .aovs = {"albedo", "normal", "roughness", "emission", "path.*"}}, .sample_count = 2};
+    const image::FilmSums expected = builtin_stage(scene()).render(shot);
+    shot.view.shade_in = ShadeIn::ClosestHit;
+    const image::FilmSums shaded_in_hit = builtin_stage(scene()).render(shot);
+    EXPECT_GT(mean_rgb(image::resolve_film(expected)), 0.0);
+    if (is_cpu()) EXPECT_EQ(shaded_in_hit.limbs, expected.limbs);
+    else EXPECT_GE(share_equal(image::resolve_film(shaded_in_hit), image::resolve_film(expected)), 0.97);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, ShadeInHit, ::testing::Values("cornell", "textured", "spheres", "glass"), [](const auto& scene) { return std::string(scene.param); });
 INSTANTIATE_TEST_SUITE_P(Scenes, Equality, ::testing::Values("cornell", "textured", "spheres"), [](const auto& scene) { return std::string(scene.param); });
 
 }  // namespace

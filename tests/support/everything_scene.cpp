@@ -62,7 +62,7 @@ Material full_material(SceneEdit& edit) {
     m.alpha_mode = AlphaMode::Mask, m.alpha_cutoff = 0.3f, m.double_sided = true;
     m.ior = 1.33f, m.specular = 0.6f, m.specular_color = {0.9f, 0.8f, 0.7f};
     m.transmission = 0.2f, m.thickness = 0.01f, m.attenuation_distance = 0.77f, m.attenuation_color = {0.3f, 0.6f, 0.9f};
-    m.dispersion = 0.36f, m.clearcoat = 0.4f, m.clearcoat_roughness = 0.11f, m.clearcoat_normal_scale = 0.6f;
+    m.nested_priority = -3, m.dispersion = 0.36f, m.clearcoat = 0.4f, m.clearcoat_roughness = 0.11f, m.clearcoat_normal_scale = 0.6f;
     m.sheen_color = {0.11f, 0.22f, 0.33f}, m.sheen_roughness = 0.44f;
     m.anisotropy = 0.55f, m.anisotropy_rotation = 0.66f;
     m.iridescence = 0.77f, m.iridescence_ior = 1.88f, m.iridescence_thickness_min = 99.9f, m.iridescence_thickness_max = 333.3f;

@@ -20,6 +20,7 @@ View Stage::make_view(const Shot& shot) const {
     const float aspect = static_cast<float>(desc.width) / static_cast<float>(desc.height);
     const CameraView camera = shot.camera ? *shot.camera : view_of((*scene.cameras().begin()).value, aspect);
     desc.camera = shader_camera(camera, aspect);
+    if (shot.camera_at_close) desc.camera_at_close = shader_camera(*shot.camera_at_close, aspect);
     return {frame.device(), desc};
 }
 
@@ -75,7 +76,7 @@ const image::FilmSums& builtin_film(const std::string& name, const Shot& shot, c
     std::string key = fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {} {} {}", static_cast<const void*>(&stage), int(shot.way), v.width, v.height, v.seed, v.max_bounces, int(v.sampler),
                                   int(v.filter), v.roulette_start, v.light_sampling, shot.first_sample, shot.sample_count, shot.slice_rows, shot.slice_samples, v.aovs.size());
     for (const std::string& aov : v.aovs) key += ' ' + aov;
-    if (shot.camera) return films[key] = stage.render(shot);
+    if (shot.camera || shot.camera_at_close) return films[key] = stage.render(shot);
     const auto found = films.find(key);
     return found != films.end() ? found->second : films[key] = stage.render(shot);
 }

@@ -21,6 +21,7 @@ struct Shot {
     gpu::TraceWay way = gpu::TraceWay::Compute;
     ViewDesc view{.width = 32, .height = 32};      // its camera is filled in from `camera`
     std::optional<CameraView> camera = {};          // none: the scene's first
+    std::optional<CameraView> camera_at_close = {}; // where it stands when its shutter closes; none: it is still
     uint32_t first_sample = 0, sample_count = 64;
     uint32_t slice_rows = 1u << 20, slice_samples = 64;
 };

@@ -242,7 +242,7 @@ private:
         const auto same = [&](const char* name, auto Material::*field) { expect(fmt::format("{} {}", here, name), a.*field, b.*field); };
         using M = Material;
         same("base color", &M::base_color), same("metallic", &M::metallic), same("roughness", &M::roughness), same("emission", &M::emission);
-        same("alpha mode", &M::alpha_mode), same("double sided", &M::double_sided), same("unlit", &M::unlit), same("ior", &M::ior);
+        same("alpha mode", &M::alpha_mode), same("double sided", &M::double_sided), same("nested priority", &M::nested_priority), same("unlit", &M::unlit), same("ior", &M::ior);
         same("specular", &M::specular), same("specular color", &M::specular_color), same("transmission", &M::transmission);
         same("thickness", &M::thickness), same("attenuation distance", &M::attenuation_distance), same("attenuation color", &M::attenuation_color);
         same("dispersion", &M::dispersion), same("clearcoat", &M::clearcoat), same("clearcoat roughness", &M::clearcoat_roughness);

@@ -187,9 +187,12 @@ TEST(SceneHash, the_render_hash_covers_the_view_and_the_settings) {
     add([](ViewDesc& view, RenderSettings&) { view.filter = PixelFilter::Point; });
     add([](ViewDesc& view, RenderSettings&) { view.camera.position_ws.x += 0.5f; });
     add([](ViewDesc& view, RenderSettings&) { view.camera.orthographic = 1; });
+    add([](ViewDesc& view, RenderSettings&) { view.camera.lens_radius = 0.5f; });
+    add([](ViewDesc& view, RenderSettings&) { view.camera.focus_distance = 0.5f; });
+    add([](ViewDesc& view, RenderSettings&) { view.camera_at_close = shared::Camera{.position_ws = glm::vec3(1.0f)}; });
     add([](ViewDesc&, RenderSettings& settings) { settings.sampler = SamplerKind::Pcg; });
     add([](ViewDesc&, RenderSettings& settings) { settings.infinite_share = 0.25f; });
-    EXPECT_EQ(hashes.size(), 9u);
+    EXPECT_EQ(hashes.size(), 12u);
 }
 
 TEST(Metering, a_grey_card_gives_its_textbook_exposure) {
@@ -301,8 +304,7 @@ TEST(RenderOptions, the_aovs_of_the_table_are_those_of_the_film) {
     std::set<std::string_view> named, film;
     for (const std::string_view choice : split_choices(option.choices))
         if (std::find(absent.begin(), absent.end(), choice) == absent.end()) named.insert(choice);
-    for (const FilmGroup& group : film_groups())
-        if (group.name != "beauty") film.insert(group.name);
+    for (const std::string_view name : aov_names()) film.insert(name);
     EXPECT_EQ(named, film);
 }
 

@@ -83,6 +83,18 @@ void add_moving(LoadedScene& out, const DioramaHandles& handles) {
          }});
 }
 
+// The camera that pictures start from comes nearer, for blur by its motion.
+void add_camera_walk(LoadedScene& out) {
+    const auto [handle, camera] = *out.scene.cameras().begin();
+    out.scripted_edits.push_back({"walk", "the camera \"nook\" comes nearer, 40 cm a second", [handle = handle, camera = camera](double seconds) {
+                                      Camera now = camera;
+                                      now.place.node_from_object[3] -= float(0.4 * seconds) * camera.place.node_from_object[2];
+                                      SceneEdit step;
+                                      step.set_camera(handle, std::move(now));
+                                      return step;
+                                  }});
+}
+
 // Off and on, each for a second: the shade and the bulb.
 void add_lamp_switch(LoadedScene& out) {
     std::vector<std::pair<Handle<Material>, Material>> glowing;
@@ -126,6 +138,7 @@ LoadedScene make_diorama(const BuiltinOptions&) {
     for (Handle<Node>& bulb : handles.bulbs) bulb = changes.resolve(bulb);
     add_lamp_switch(out);
     add_moving(out, handles);
+    add_camera_walk(out);
     return out;
 }
 

@@ -99,10 +99,9 @@ void add_lights(PaletteMaker& make, SceneEdit& edit) {
     make.palette.shade = edit.add(std::move(shade));
 }
 
-// Drawn as a pale glossy body where transmission is not drawn.
 Handle<Material> add_glass(SceneEdit& edit) {
-    Material glass = glossy("blue glass", {0.45f, 0.68f, 0.72f}, 0.0f, 0.04f);
-    glass.transmission = 0.95f;
+    Material glass = glossy("blue glass", glm::vec3(1.0f), 0.0f, 0.0f);
+    glass.transmission = 1.0f;
     glass.ior = 1.5f;
     glass.thickness = 0.004f;
     glass.attenuation_distance = 0.02f;

@@ -23,6 +23,7 @@ LoadedScene make_many_lights(const BuiltinOptions& options);
 LoadedScene make_reflections(const BuiltinOptions& options);
 LoadedScene make_leak_box(const BuiltinOptions& options);
 LoadedScene make_forest(const BuiltinOptions& options);
+LoadedScene make_glass(const BuiltinOptions& options);
 LoadedScene make_diorama(const BuiltinOptions& options);
 
 }  // namespace parhelion::builtin

@@ -1,5 +1,6 @@
 #include "scene/gltf/materials.h"
 
+#include <cmath>
 #include <utility>
 
 #include "scene/gltf/images.h"
@@ -15,6 +16,15 @@ AlphaMode read_alpha_mode(GltfDocument& document, const JsonRef& json) {
     if (mode == "BLEND") return AlphaMode::Blend;
     if (mode != "OPAQUE") document.warn(json, fmt::format("alphaMode '{}' is unknown and taken as OPAQUE", escape_name(mode, 20)));
     return AlphaMode::Opaque;
+}
+
+// What gltf_write keeps there; of other writers' extras nothing is known, so that what does not fit is passed over.
+int read_nested_priority(const JsonRef& material) {
+    const std::optional<JsonRef> extras = material.find("extras");
+    const std::optional<JsonRef> priority = extras && extras->is_object() ? extras->find(kNestedPriorityKey) : std::nullopt;
+    if (!priority || !priority->is_number()) return 0;
+    const double value = priority->as_number();
+    return std::abs(value) <= kMostNestedPriority && value == std::floor(value) ? static_cast<int>(value) : 0;
 }
 
 Material read_material(const MaterialFields& fields, const JsonRef& json) {
@@ -39,6 +49,7 @@ Material read_material(const MaterialFields& fields, const JsonRef& json) {
     material.alpha_mode = read_alpha_mode(fields.document, json);
     material.alpha_cutoff = fields.number(json, "alphaCutoff", 0.5f, 0.0f, MaterialFields::kMost);
     material.double_sided = json.boolean("doubleSided", false);
+    material.nested_priority = read_nested_priority(json);
     read_material_extensions(fields, json, material);
     return material;
 }
@@ -139,7 +150,9 @@ MaterialHandles add_materials(GltfDocument& document, SceneEdit& edit, const std
 
 bool has_normal_map(const GltfDocument& document, std::optional<uint32_t> material, uint32_t& uv_set) {
     if (!material) return false;
-    const std::optional<TextureInfo> info = find_texture_info(document.root().at("materials")[*material], "normalTexture", nullptr);
+    const JsonRef json = document.root().at("materials")[*material];
+    std::optional<TextureInfo> info = find_texture_info(json, "normalTexture", nullptr);
+    if (const std::optional<JsonRef> coat = json.extension("KHR_materials_clearcoat"); coat && !info) info = find_texture_info(*coat, "clearcoatNormalTexture", nullptr);
     if (info) uv_set = info->uv_set;
     return info.has_value();
 }

@@ -2,6 +2,7 @@
 // its default.
 #include <cmath>
 
+#include "scene/gltf/materials.h"
 #include "scene/gltf/write_parts.h"
 
 namespace parhelion::gltf {
@@ -90,6 +91,7 @@ void write_core(Writer& writer, const Material& m, Fields& out) {
     // The schema ties the cutoff to MASK (5.19.8); elsewhere it has no effect.
     if (m.alpha_mode == AlphaMode::Mask) out.factor("alphaCutoff", m.alpha_cutoff, kDefault.alpha_cutoff);
     if (m.double_sided) out.json()["doubleSided"] = true;
+    if (m.nested_priority != 0) out.json()["extras"][kNestedPriorityKey] = m.nested_priority;
     if (m.unlit) writer.extend(out.json(), "KHR_materials_unlit", Json::object());
 }
 

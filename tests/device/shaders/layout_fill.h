@@ -24,6 +24,7 @@ struct LayoutStructs {
     Environment environment[2];
     Hit hit[2];
     Camera camera[2];
+    CameraMotion camera_motion[2];
     ViewData view_data[2];
     Slice slice[2];
     DumpedRay dumped_ray[2];
@@ -73,9 +74,10 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(SceneHeader) v) {
     F(bsdf_tables) F(suns) F(emitter_count) F(sun_count) F(culling) F(features) F(environment)
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Hit) v) { F(instance_bits) F(geometry) F(primitive) F(barycentrics) F(t) }
-SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Camera) v) { F(position_ws) F(right_ws) F(up_ws) F(forward_ws) F(orthographic) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Camera) v) { F(position_ws) F(right_ws) F(up_ws) F(forward_ws) F(orthographic) F(lens_radius) F(focus_distance) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(CameraMotion) v) { F(translation_ws) F(axis_ws) F(half_angle) F(zoom) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(ViewData) v) {
-    F(camera) F(camera_before) F(width) F(height) F(seed) F(sampler_kind) F(max_bounces) F(pixel_filter) F(roulette_start) F(light_sampling) F(flags) F(firefly_clamp)
+    F(camera) F(camera_before) F(motion) F(width) F(height) F(seed) F(sampler_kind) F(max_bounces) F(pixel_filter) F(roulette_start) F(light_sampling) F(flags) F(firefly_clamp)
     F(pixel_width) F(pixel_spread)
     for (uint i = 0u; i < kFilmGroupCount; ++i) F(channel[i])
     F(channel_count)
@@ -92,7 +94,7 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(TraversalHit) v) { F(inst
 // Entry i of every array.
 SHARED_FN void fill_entry(SHARED_INOUT(uint) n, SHARED_INOUT(LayoutStructs) v, uint i) {
     F(scene_header[i]) F(geometry[i]) F(bvh_addresses[i]) F(affine[i]) F(instance[i]) F(vertex_attributes[i]) F(texture_ref[i]) F(material[i]) F(emitter[i])
-    F(alias_entry[i]) F(environment[i]) F(hit[i]) F(camera[i]) F(view_data[i]) F(slice[i]) F(dumped_ray[i]) F(bvh_node[i]) F(bvh_triangle[i]) F(bvh_top_item[i])
+    F(alias_entry[i]) F(environment[i]) F(hit[i]) F(camera[i]) F(camera_motion[i]) F(view_data[i]) F(slice[i]) F(dumped_ray[i]) F(bvh_node[i]) F(bvh_triangle[i]) F(bvh_top_item[i])
     F(traversal_ray[i]) F(traversal_hit[i])
 }
 #undef F

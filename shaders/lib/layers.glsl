@@ -1,0 +1,189 @@
+// What lies on a surface: sheen, and a clear coat over it (KHR_materials_sheen, KHR_materials_clearcoat).
+//
+// Layers that scatter the share S(mu) of light from mu would give back S + T(o) T(i) b(o, i), T = 1 - S, over a surface b: symmetric,
+// but the light that they turn back on its way out is lost. What is missing to a white surface's 1 is known,
+//     N(o) = 1 - S(o) - T(o) int T(i) b(o, i) di,     which only needs averages of the layers' albedos over b (shared/bsdf_tables.h),
+// and goes out as N(o) N(i) / (pi N_average), as what microfacets scatter more than once does (Kulla and Conty 2017): the whole is
+// symmetric, and white over white. Over a coloured surface N is taken of its albedos, and what comes back has met it once more.
+// A mirror's light stays a mirror's: it comes out whole, weighted by what the layers do not scatter.
+#ifndef PARHELION_LIB_LAYERS_GLSL
+#define PARHELION_LIB_LAYERS_GLSL
+#include "lib/glossy.glsl"
+#include "lib/warp.glsl"
+
+struct Layers {
+    float coat;           // weight; 0: none
+    float coat_roughness, coat_alpha;
+    float coat_again, coat_loss_average;  // as Reflectance::again and Glossy::loss_average
+    vec3 coat_normal;
+    bool coat_delta;
+    vec3 sheen_color;
+    float sheen;          // its largest channel, by which it darkens what lies below; 0: none
+    float sheen_alpha, sheen_place;       // the latter on the tables' axis
+    float sheen_share;    // of its albedo that counts in T; less than 1 under a smooth coat, so that T stays positive
+    float over_again, over_diffuse;  // the layers' albedo averaged over Glossy's again and Lambert lobes
+    vec3 residual;        // what N(o) N(i) is multiplied by
+};
+
+bool has_layers(Layers l) { return l.coat > 0.0 || l.sheen > 0.0; }
+
+// The layers as a direction meets them.
+struct LayerPlace {
+    float cos_coat;        // to the coat's normal
+    float coat_loss;
+    float coat, sheen;     // albedos, weights included
+    float sheen_cap;
+    float sheen_out;       // the sheen lobe's albedo behind the coat
+    float leaves;          // 1 - what the layers scatter
+    float passes;          // T: 1 - the sum of the albedos, which need not be exactly what leaves: N takes the rest
+    vec3 residual;         // N
+};
+
+vec2 coat_table(Layers l, float cosine, uint64_t tables) {
+    return l.coat_delta ? vec2(0.0, schlick_weight(cosine)) : ggx_albedo(tables, cosine, l.coat_roughness);
+}
+Reflectance coat_reflectance(Layers l) { return Reflectance(vec3(kCoatF0), 1.0, vec3(l.coat_again)); }
+
+// w in the shading frame, z > 0; t: glossy_table() of w. What mirrors below give back is in no average (see above).
+LayerPlace layer_place(Layers l, Glossy g, vec3 w, vec2 t, uint64_t tables) {
+    LayerPlace p;
+    p.cos_coat = max(dot(w, l.coat_normal), 0.0);
+    p.coat_loss = 0.0;
+    p.coat = 0.0;
+    p.sheen = 0.0;
+    p.sheen_cap = 1.0;
+    const TableAxis mu = mu_axis(w.z, kLayerMu), below = table_axis(g.roughness, kLayerBelow);
+    const bool over_ggx = has_glossy(g) && !g.delta;
+    vec2 over = vec2(0.0);
+    float coat_over_sheen = 0.0;
+    if (l.coat > 0.0) {
+        const vec2 tc = coat_table(l, p.cos_coat, tables);
+        p.coat_loss = tc.x;
+        p.coat = l.coat * whole_albedo(coat_reflectance(l), tc).x;
+        const TableAxis roughness = table_axis(l.coat_roughness, kLayerRoughness);
+        if (over_ggx) over += l.coat * read_table(tables, kCoatOverGgxAt, mu, below, roughness, uvec2(kLayerMu, kLayerBelow));
+        if (l.sheen > 0.0) coat_over_sheen = l.coat * l.sheen *
+            read_table(tables, kCoatOverSheenAt, mu, table_axis(l.sheen_place, kLayerRoughness), roughness, uvec2(kLayerMu, kLayerRoughness)).x;
+    }
+    if (l.sheen > 0.0) {
+        const vec2 ts = read_table(tables, kSheenAlbedoAt, mu_axis(w.z, kSheenMu), table_axis(l.sheen_place, kSheenRoughness), kSheenMu);
+        p.sheen = l.sheen * ts.x;
+        p.sheen_cap = ts.y;
+        if (over_ggx) over += l.sheen_share * l.sheen * read_table(tables, kSheenOverGgxAt, mu, below, table_axis(l.sheen_place, kLayerRoughness), uvec2(kLayerMu, kLayerBelow));
+    }
+    p.sheen_out = (1.0 - p.coat) * max(p.sheen - coat_over_sheen, 0.0);
+    p.leaves = max(1.0 - p.coat - p.sheen_out, 0.0);
+    p.passes = max(1.0 - p.coat - l.sheen_share * p.sheen, 0.0);
+    const vec3 again = again_albedo(g, t), diffuse = diffuse_albedo(g, t), single = over_ggx ? single_albedo(g.glossy, t) : vec3(0.0);
+    const vec3 turned_back = g.glossy.f0 * over.x + vec3(g.glossy.f90 * over.y) + again * l.over_again + diffuse * l.over_diffuse;
+    p.residual = max((p.leaves - p.passes) * (single + again + diffuse) + p.passes * turned_back, vec3(0.0));
+    return p;
+}
+
+// A layer's albedo averaged over the lobes of the surface below that look the same from everywhere: (again, Lambert).
+vec2 layer_averages(Glossy g, uint at, float average, float roughness, uint64_t tables) {
+    if (!has_glossy(g)) return vec2(average);
+    const vec2 t = read_table(tables, at, table_axis(g.delta ? 0.0 : g.roughness, kLayerBelow), table_axis(roughness, kLayerRoughness), kLayerBelow);
+    const float loss = t.x * g.loss_average, over = dot(vec3(g.over.f0.x, g.over.f90, g.over.again.x), vec3(average - loss - t.y, t.y, loss));
+    return vec2(t.x, max(average - over, 0.0) / g.passes_average);
+}
+
+// N_average by Gauss-Jacobi quadrature over 2 cos, and how much light that comes back down leaves a surface of its colour.
+void set_residual(inout Layers l, Glossy g, float turned_back_average, uint64_t tables) {
+    const vec2 nodes[5] = vec2[](vec2(0.098535086, 0.031495829), vec2(0.304535727, 0.147817740), vec2(0.562025190, 0.292773974), vec2(0.801986582, 0.334349276), vec2(0.960190143, 0.193563180));
+    vec3 average = vec3(0.0), albedo = vec3(0.0);
+    Layers flat_layers = l;
+    flat_layers.coat_normal = vec3(0.0, 0.0, 1.0);
+    for (uint k = 0u; k < 5u; ++k) {
+        const vec3 w = vec3(sqrt(1.0 - nodes[k].x * nodes[k].x), 0.0, nodes[k].x);
+        const vec2 t = glossy_table(g, w.z, tables);
+        average += nodes[k].y * layer_place(flat_layers, g, w, t, tables).residual;
+        albedo += nodes[k].y * (whole_albedo(g.glossy, t) + diffuse_albedo(g, t));
+    }
+    // A series: met by the surface, and turned back by the layers, again and again.
+    const float back = min(turned_back_average, 0.95);
+    const vec3 leaves = albedo * (1.0 - back) / (vec3(1.0) - min(albedo, vec3(1.0)) * back);
+    l.residual = mix(min(leaves, vec3(1.0)) / (kPi * max(average, vec3(1e-6))), vec3(0.0), lessThan(average, vec3(1e-6)));
+}
+
+Layers make_layers(Glossy g, float coat, float coat_roughness, vec3 coat_normal, vec3 sheen_color, float sheen_roughness, bool compensate, uint64_t tables) {
+    Layers l;
+    l.coat = coat;
+    l.coat_roughness = coat_roughness;
+    l.coat_alpha = coat_roughness * coat_roughness;
+    l.coat_delta = coat_roughness < kDeltaRoughness;
+    l.coat_normal = coat_normal;
+    l.coat_again = 0.0;
+    l.coat_loss_average = 0.0;
+    l.sheen_color = sheen_color;
+    l.sheen = max_component(sheen_color);
+    const float roughness = max(sheen_roughness, kMinSheenRoughness);
+    l.sheen_alpha = roughness * roughness;
+    l.sheen_place = (roughness - kMinSheenRoughness) / (1.0 - kMinSheenRoughness);
+    l.sheen_share = 1.0;
+    l.over_again = 0.0;
+    l.over_diffuse = 0.0;
+    l.residual = vec3(0.0);
+    if (!has_layers(l)) return l;
+    float turned_back = 0.0;
+    if (coat > 0.0) {
+        const vec2 average = l.coat_delta ? vec2(0.0, 1.0 / 21.0) : ggx_albedo_average(tables, coat_roughness);
+        const Reflectance r = make_reflectance(vec3(kCoatF0), 1.0, compensate, average.x);
+        l.coat_again = r.again.x;
+        l.coat_loss_average = average.x;
+        const float mean = whole_albedo(r, average).x;
+        if (l.sheen > 0.0) l.sheen_share -= 0.5 * coat * whole_albedo(r, coat_table(l, 0.1, tables)).x;  // as it is near grazing angles
+        const vec2 over = layer_averages(g, kCoatOverLossAt, mean, coat_roughness, tables);
+        l.over_again += coat * over.x;
+        l.over_diffuse += coat * over.y;
+        turned_back += coat * mean;
+    }
+    if (l.sheen > 0.0) {
+        const float mean = read_float_table(tables, kSheenAverageAt, table_axis(l.sheen_place, kSheenRoughness)).x;
+        const vec2 over = layer_averages(g, kSheenOverLossAt, mean, l.sheen_place, tables);
+        l.over_again += l.sheen_share * l.sheen * over.x;
+        l.over_diffuse += l.sheen_share * l.sheen * over.y;
+        turned_back += l.sheen * mean;
+    }
+    set_residual(l, g, turned_back, tables);
+    return l;
+}
+
+// ---- lobes: value times cosine ----
+
+// In the coat's own frame: its cosine, not the surface's.
+vec3 to_coat(Layers l, vec3 w) {
+    if (l.coat_normal.z == 1.0) return w;
+    const vec3 x = normalize(vec3(l.coat_normal.z, 0.0, -l.coat_normal.x)), y = cross(l.coat_normal, x);
+    return vec3(dot(w, x), dot(w, y), dot(w, l.coat_normal));
+}
+vec3 from_coat(Layers l, vec3 w) {
+    if (l.coat_normal.z == 1.0) return w;
+    const vec3 x = normalize(vec3(l.coat_normal.z, 0.0, -l.coat_normal.x)), y = cross(l.coat_normal, x);
+    return x * w.x + y * w.y + l.coat_normal * w.z;
+}
+
+// What the coat's microfacets scatter once is eval_ggx() in its frame; this is the rest.
+float eval_coat_again(Layers l, LayerPlace o, LayerPlace i) {
+    if (l.coat_loss_average <= 0.0) return 0.0;
+    return l.coat * l.coat_again * o.coat_loss * i.coat_loss / l.coat_loss_average * i.cos_coat / kPi;
+}
+
+// Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF", as KHR_materials_sheen writes it; alpha = roughness^2.
+float sheen_lambda(float cosine, float alpha) {
+    const float blend = (1.0 - alpha) * (1.0 - alpha);
+    const float a = mix(21.5473, 25.3245, blend), b = mix(3.82987, 3.32435, blend), c = mix(0.19823, 0.16801, blend);
+    const float d = mix(-1.97760, -1.27393, blend), e = mix(-4.32054, -4.85967, blend);
+    const float x = cosine < 0.5 ? cosine : 1.0 - cosine;
+    const float fit = a / (1.0 + b * pow(max(x, 1e-20), c)) + d * x + e;
+    if (cosine < 0.5) return exp(fit);
+    return exp(2.0 * (a / (1.0 + b * pow(0.5, c)) + d * 0.5 + e) - fit);
+}
+vec3 eval_sheen(Layers l, LayerPlace o, LayerPlace i, vec3 h, vec3 wo, vec3 wi) {
+    const float alpha = l.sheen_alpha;
+    const float distribution = (2.0 + 1.0 / alpha) * pow(clamp(dot(h.xy, h.xy), 0.0, 1.0), 0.5 / alpha) / (2.0 * kPi);
+    const float masked = distribution / ((1.0 + sheen_lambda(wo.z, alpha) + sheen_lambda(wi.z, alpha)) * 4.0 * wo.z);
+    return l.sheen_color * (masked * o.sheen_cap * i.sheen_cap * (1.0 - o.coat) * (1.0 - i.coat));
+}
+vec3 eval_residual(Layers l, LayerPlace o, LayerPlace i, float cos_i) { return l.residual * o.residual * i.residual * cos_i; }
+#endif

@@ -1,0 +1,56 @@
+// Alpha masks have the same holes in every way to trace.
+#include <random>
+
+#include "scene/builtin/scenes.h"
+#include "scene/shapes.h"
+#include "support/render_fixture.h"
+#include "support/trace_rays.h"
+
+namespace parhelion::testing {
+namespace {
+
+class AlphaMasks : public GpuTest {
+protected:
+    static constexpr uint32_t kTexels = 64;
+    // A sheet whose mask lets about this share through.
+    static Scene sheet(float open) {
+        SceneEdit edit;
+        std::mt19937 random(3);
+        Image noise{.name = "noise", .width = kTexels, .height = kTexels, .texels = std::vector<uint8_t>(size_t(kTexels) * kTexels * 4, 255)};
+        for (size_t i = 3; i < noise.texels.size(); i += 4) noise.texels[i] = static_cast<uint8_t>(random() >> 24);
+        Material material = builtin::lambert("sheet", glm::vec3(0.5f));
+        material.double_sided = true;
+        material.alpha_mode = AlphaMode::Mask;
+        material.alpha_cutoff = open;
+        material.base_color_texture.texture = edit.add(Texture{.image = edit.add(std::move(noise)), .sampler = {.mag = Filter::Nearest, .min = Filter::Nearest}});
+        Primitive quad;
+        add_textured_quad(quad, {-1.0f, -1.0f, 0.0f}, {2.0f, 0.0f, 0.0f}, {0.0f, 2.0f, 0.0f}, glm::vec2(1.0f), 8);
+        builtin::add_object(edit, "sheet", std::move(quad), edit.add(std::move(material)));
+        return make_scene(std::move(edit));
+    }
+};
+
+}  // namespace
+
+TEST_F(AlphaMasks, of_six_densities_have_the_same_holes_in_every_way_to_trace) {
+    std::mt19937 random(17);
+    const auto unit = [&] { return static_cast<float>(random() >> 8) * 0x1p-24f; };
+    std::vector<TestRay> rays;
+    for (uint32_t i = 0; i < 20000; ++i) rays.push_back({{1.9f * unit() - 0.95f, 1.9f * unit() - 0.95f, 2.0f}, glm::vec3(0.0f, 0.0f, -1.0f)});
+    for (const float open : {0.05f, 0.2f, 0.4f, 0.6f, 0.8f, 0.95f}) {
+        Stage stage(sheet(open));
+        const std::vector<TestFound> expected = trace_rays(stage, gpu::TraceWay::Compute, rays);
+        size_t hits = 0;
+        for (const TestFound& f : expected) hits += f.hit();
+        EXPECT_NEAR(double(hits) / double(rays.size()), 1.0 - double(open), 0.03);
+        for (const gpu::TraceWay way : kWays) {
+            if (!device()->caps().supports(way)) continue;
+            const std::vector<TestFound> found = trace_rays(stage, way, rays);
+            size_t same = 0;
+            for (size_t i = 0; i < rays.size(); ++i) same += found[i].hit() == expected[i].hit() && found[i].visible_now == !expected[i].hit();
+            EXPECT_GE(double(same) / double(rays.size()), 0.9999) << gpu::trace_way_name(way) << ", open " << open;
+        }
+    }
+}
+
+}  // namespace parhelion::testing
