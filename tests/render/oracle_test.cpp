@@ -1,4 +1,5 @@
-// Pictures by a stranger: Mitsuba 3's of the same glTF files, where its models are ours (tools/oracles/make_mitsuba_oracles.py).
+// Pictures by a stranger: Mitsuba 3's of the same glTF files, where its models are ours (tools/oracles/make_mitsuba_oracles.py), and with
+// rough surfaces written for it from the papers (rough_*: tools/oracles/make_microfacet_oracles.py).
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -33,7 +34,22 @@ constexpr OracleCase kCases[] = {
     {"punctual", 24, 0.0f, 0.01},
     {"directional", 8},
     {"alpha", 16},
+    {"rough_room", 16},
+    {"rough_room_compensated", 16},
+    {"rough_sky", 16, 73.0f},
+    {"rough_sky_compensated", 16, 73.0f},
+    {"rough_glass", 16, 73.0f},
+    {"rough_slab", 16},
 };
+
+// Pictures of the same scene, with the light put back that scatters more than once.
+constexpr std::string_view kCompensated = "_compensated";
+bool is_compensated(const OracleCase& oracle) { return std::string_view(oracle.name).ends_with(kCompensated); }
+std::filesystem::path scene_file(const OracleCase& oracle) {
+    std::string_view name = oracle.name;
+    if (is_compensated(oracle)) name.remove_suffix(kCompensated.size());
+    return kFolder / (std::string(name) + ".glb");
+}
 
 // A picture and the variance of its values, red plane, green plane, blue plane; pixels or tiles.
 struct Estimate {
@@ -68,7 +84,7 @@ Estimate estimate(std::span<const std::vector<float>> runs) {
 class MitsubaOracle : public GpuTest, public ::testing::WithParamInterface<OracleCase> {
 protected:
     static Stage make_stage(const OracleCase& oracle) {
-        LoadedScene loaded = load_scene((kFolder / (std::string(oracle.name) + ".glb")).string());
+        LoadedScene loaded = load_scene(scene_file(oracle).string());
         if (oracle.turn != 0.0f) {
             Environment environment = load_environment(kFolder / "environment_map.exr");
             environment.rotation = oracle.turn * std::numbers::pi_v<float> / 180.0f;
@@ -89,7 +105,7 @@ protected:
                                                                   .max_bounces = uint32_t(std::stoul(theirs.attributes.at("bounces"))),
                                                                   .sampler = SamplerKind::Pcg,
                                                                   .roulette_start = kNoRoulette,
-                                                                  .energy_compensation = false,
+                                                                  .energy_compensation = is_compensated(oracle),
                                                                   .normal_correction = false},
                                                          .sample_count = oracle.samples});
             expect_sane(picture);

@@ -246,4 +246,5 @@ def main():
         print(f"{name}: mean {mean.mean():.5f}, standard error of a pixel {np.sqrt(variance.mean(2)).mean() / mean.mean():.4f} of it, {time.time() - started:.0f} s", flush=True)
 
 
-main()
+if __name__ == "__main__":
+    main()
