@@ -167,7 +167,7 @@ TEST_F(LightForms, a_mesh_under_transforms_that_stretch_and_mirror) {
             }
             return sum;
         };
-        expect_forms(std::move(edit), lux, c.name, {1024, 4096, 4096});
+        expect_forms(std::move(edit), lux, c.name, {1024, 2048, 4096});
     }
 }
 
