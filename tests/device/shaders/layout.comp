@@ -19,6 +19,7 @@ layout(set = 1, binding = 0, scalar) buffer AllStructs {
     Environment environment[2];
     Hit hit[2];
     Camera camera[2];
+    CameraMotion camera_motion[2];
     ViewData view_data[2];
     Slice slice[2];
     DumpedRay dumped_ray[2];
@@ -48,6 +49,7 @@ void main() {
         all_structs.environment[i] = value.environment[i];
         all_structs.hit[i] = value.hit[i];
         all_structs.camera[i] = value.camera[i];
+        all_structs.camera_motion[i] = value.camera_motion[i];
         all_structs.view_data[i] = value.view_data[i];
         all_structs.slice[i] = value.slice[i];
         all_structs.dumped_ray[i] = value.dumped_ray[i];
