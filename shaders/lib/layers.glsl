@@ -20,7 +20,7 @@ struct Layers {
     vec3 sheen_color;
     float sheen;          // its largest channel, by which it darkens what lies below; 0: none
     float sheen_alpha, sheen_place;       // the latter on the tables' axis
-    float sheen_share;    // of its albedo that counts in T; less than 1 under a coat, so that T stays positive
+    float sheen_share;    // of its albedo that counts in T; less than 1 under a smooth coat, so that T stays positive
     float over_again, over_diffuse;  // the layers' albedo averaged over Glossy's again and Lambert lobes
     vec3 residual;        // what N(o) N(i) is multiplied by
 };
@@ -88,17 +88,25 @@ vec2 layer_averages(Glossy g, uint at, float average, float roughness, uint64_t 
     return vec2(t.x, max(average - over, 0.0) / g.passes_average);
 }
 
-// N_average by Gauss-Jacobi quadrature over 2 cos, and how much light that comes back down leaves a surface of its colour.
+// (cosine, weight) of quadrature over 2 cos: Gauss-Jacobi in the cosine, enough for a coat; and, for sheen, which is seen at grazing angles
+// only where its roughness is small, Gauss-Legendre in sqrt(cosine) on both sides of 0.6 (its first node, of weight 3e-5, left out).
+const uint kCoatNodes = 4u, kSheenNodes = 6u;
+const vec2 kNodes[10] = vec2[](vec2(0.139759864, 0.062361942), vec2(0.416409568, 0.259695095), vec2(0.723156986, 0.406929136), vec2(0.942895804, 0.271013827),
+                               vec2(0.039206252, 0.006105350), vec2(0.161599428, 0.050837624), vec2(0.311744553, 0.072657026), vec2(0.416129066, 0.119305251),
+                               vec2(0.640000000, 0.364088889), vec2(0.911870934, 0.387005860));
+
+// N_average, and how much light that comes back down leaves a surface of its colour.
 void set_residual(inout Layers l, Glossy g, float turned_back_average, uint64_t tables) {
-    const vec2 nodes[5] = vec2[](vec2(0.098535086, 0.031495829), vec2(0.304535727, 0.147817740), vec2(0.562025190, 0.292773974), vec2(0.801986582, 0.334349276), vec2(0.960190143, 0.193563180));
+    const uint first = l.sheen > 0.0 ? kCoatNodes : 0u, last = l.sheen > 0.0 ? kCoatNodes + kSheenNodes : kCoatNodes;
     vec3 average = vec3(0.0), albedo = vec3(0.0);
     Layers flat_layers = l;
     flat_layers.coat_normal = vec3(0.0, 0.0, 1.0);
-    for (uint k = 0u; k < 5u; ++k) {
-        const vec3 w = vec3(sqrt(1.0 - nodes[k].x * nodes[k].x), 0.0, nodes[k].x);
+    for (uint k = first; k < last; ++k) {
+        const vec2 node = kNodes[k];
+        const vec3 w = vec3(sqrt(1.0 - node.x * node.x), 0.0, node.x);
         const vec2 t = glossy_table(g, w.z, tables);
-        average += nodes[k].y * layer_place(flat_layers, g, w, t, tables).residual;
-        albedo += nodes[k].y * (whole_albedo(g.glossy, t) + diffuse_albedo(g, t));
+        average += node.y * layer_place(flat_layers, g, w, t, tables).residual;
+        albedo += node.y * (whole_albedo(g.glossy, t) + diffuse_albedo(g, t));
     }
     // A series: met by the surface, and turned back by the layers, again and again.
     const float back = min(turned_back_average, 0.95);
@@ -120,7 +128,7 @@ Layers make_layers(Glossy g, float coat, float coat_roughness, vec3 coat_normal,
     const float roughness = max(sheen_roughness, kMinSheenRoughness);
     l.sheen_alpha = roughness * roughness;
     l.sheen_place = (roughness - kMinSheenRoughness) / (1.0 - kMinSheenRoughness);
-    l.sheen_share = 1.0 - 0.3 * coat;
+    l.sheen_share = 1.0;
     l.over_again = 0.0;
     l.over_diffuse = 0.0;
     l.residual = vec3(0.0);
@@ -132,6 +140,7 @@ Layers make_layers(Glossy g, float coat, float coat_roughness, vec3 coat_normal,
         l.coat_again = r.again.x;
         l.coat_loss_average = average.x;
         const float mean = whole_albedo(r, average).x;
+        if (l.sheen > 0.0) l.sheen_share -= 0.5 * coat * whole_albedo(r, coat_table(l, 0.1, tables)).x;  // as it is near grazing angles
         const vec2 over = layer_averages(g, kCoatOverLossAt, mean, coat_roughness, tables);
         l.over_again += coat * over.x;
         l.over_diffuse += coat * over.y;

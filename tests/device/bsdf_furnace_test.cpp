@@ -9,21 +9,23 @@ namespace {
 constexpr float kRoughnesses[] = {0, 0.02f, 0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 0.7f, 0.8f, 0.9f, 1};
 constexpr float kCosines[] = {0.02f, 0.1f, 0.2f, 0.3f, 0.5f, 0.7f, 0.9f, 1};
 
-// Albedo of the white GGX lobe, and with the weight (1 - cos_h)^5: stratified over microfacets by their density (Walter et al. 2007).
+// Albedo of the white GGX lobe, and with the weight (1 - cos_h)^5: its value (Walter et al. 2007; Heitz 2014) summed over directions,
+// closest together around the mirror's azimuth and at grazing angles.
 std::pair<double, double> brute_force(double cos_o, double roughness) {
-    constexpr int kSide = 300;
+    constexpr int kSide = 700;
+    constexpr double kPi = 3.14159265358979;
     const double alpha = roughness * roughness, sin_o = std::sqrt(1 - cos_o * cos_o);
     const auto lambda = [&](double c) { return (std::sqrt(1 + alpha * alpha * (1 / (c * c) - 1)) - 1) / 2; };
     double all = 0, grazing = 0;
-    for (int a = 0; a < kSide; ++a)
+    for (int a = 0; a < kSide; ++a) {
+        const double t = (a + 0.5) / kSide, cos_i = t * t, sin_i = std::sqrt(1 - cos_i * cos_i), visible = 1 / (1 + lambda(cos_o) + lambda(cos_i)) / (4 * cos_o);
         for (int b = 0; b < kSide; ++b) {
-            const double u = (a + 0.5) / kSide, phi = 3.14159265358979 * (b + 0.5) / kSide, tan2 = alpha * alpha * u / (1 - u);
-            const double cos_m = 1 / std::sqrt(1 + tan2), sin_m = std::sqrt(1 - cos_m * cos_m), cos_h = sin_o * sin_m * std::cos(phi) + cos_o * cos_m, cos_i = 2 * cos_h * cos_m - cos_o;
-            if (cos_h <= 0 || cos_i <= 0) continue;
-            const double weight = cos_h / (cos_o * cos_m) / (1 + lambda(cos_o) + lambda(cos_i)) / (kSide * kSide);
-            all += weight;
-            grazing += weight * std::pow(1 - cos_h, 5);
+            const double x = (b + 0.5) / kSide, phi = kPi * x * x, cos_oi = cos_o * cos_i - sin_o * sin_i * std::cos(phi), cos_h = std::sqrt((1 + cos_oi) / 2), cos_m = (cos_o + cos_i) / (2 * cos_h);
+            const double d = cos_m * cos_m * (alpha * alpha - 1) + 1, value = alpha * alpha / (kPi * d * d) * visible * (2 * t * 4 * kPi * x) / (double(kSide) * kSide);
+            all += value;
+            grazing += value * std::pow(1 - cos_h, 5);
         }
+    }
     return {all, grazing};
 }
 
@@ -33,7 +35,7 @@ protected:
         double low = 2, high = 0;
         std::string where_low, where_high;
     };
-    // The albedo of every surface from every cosine, by `samples` points of low discrepancy in each lobe.
+    // The albedo of every surface from every cosine, by `samples` points of low discrepancy in each set of directions.
     Deviation deviation(const std::vector<BsdfSurface>& surfaces, uint32_t samples, int channel = 0) {
         std::vector<BsdfInput> inputs;
         for (uint32_t s = 0; s < surfaces.size(); ++s)
@@ -51,7 +53,7 @@ protected:
         }
         return out;
     }
-    void expect_white(const std::vector<BsdfSurface>& surfaces, uint32_t samples = 1 << 13) {
+    void expect_white(const std::vector<BsdfSurface>& surfaces, uint32_t samples = 1 << 12) {
         const Deviation d = deviation(surfaces, samples);
         EXPECT_GE(d.low, 0.995) << d.where_low;
         EXPECT_LE(d.high, 1.005) << d.where_high;
@@ -110,15 +112,15 @@ TEST_F(Furnace, no_surface_returns_more_than_it_gets) {
 
 TEST_F(Furnace, without_compensation_a_rough_metal_loses_what_bounces_twice) {
     const std::vector<BsdfSurface> surfaces{{.metallic = 1, .roughness = 1, .compensate = 0}};
-    const Deviation d = deviation(surfaces, 1 << 13);
+    const Deviation d = deviation(surfaces, 1 << 12);
     EXPECT_NEAR(d.low, brute_force(1, 1).first, 0.003);  // straight down is where it loses most
 }
 
 // The tables against brute force by another way of sampling, on the host.
 TEST_F(Furnace, the_tables_of_albedos_agree_with_brute_force) {
     std::vector<BsdfInput> inputs;
-    for (const float cosine : {0.07f, 0.21f, 0.47f, 0.83f, 1.0f})
-        for (const float roughness : {0.04f, 0.083f, 0.13f, 0.29f, 0.52f, 0.77f, 1.0f}) inputs.push_back({0, {}, {cosine, roughness, 0}});
+    for (const float cosine : {0.07f, 0.21f, 0.47f, 0.83f, 0.93f})
+        for (const float roughness : {0.13f, 0.183f, 0.29f, 0.52f, 0.77f, 1.0f}) inputs.push_back({0, {}, {cosine, roughness, 0}});
     const std::vector<BsdfResult> results = run(Kind::Tables, {{}}, inputs);
     for (size_t k = 0; k < results.size(); ++k) {
         const auto [all, grazing] = brute_force(inputs[k].given.x, inputs[k].given.y);

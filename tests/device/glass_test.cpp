@@ -1,8 +1,10 @@
 // Glass on the device: the triple sample / pdf / eval held against each other over the whole sphere, against Fresnel and Snell in
 // closed form, and against a furnace that is everywhere.
 #include <cmath>
+#include <fstream>
 #include <numbers>
 #include <random>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <glm/glm.hpp>
@@ -258,6 +260,50 @@ TEST_F(GlassDevice, no_glass_loses_or_makes_light) {
         EXPECT_NEAR(all, 1.0, 0.005) << fmt::format("roughness {}, eta {}, cosine {}, specular {}{}", i.roughness, i.eta, i.wo.z, i.specular, i.thin ? ", thin" : "");
     }
     RecordProperty("worst", fmt::format("{:.5f}", worst));
+}
+
+// The values that someone else computed from the papers (tools/oracles/make_microfacet_values.py).
+TEST_F(GlassDevice, values_are_those_of_a_separate_implementation) {
+    std::ifstream file(std::string(PARHELION_SOURCE_DIR) + "/tests/golden/oracles/microfacet_values.tsv");
+    std::vector<GlassInput> inputs;
+    std::vector<double> expected;
+    for (std::string line; std::getline(file, line);) {
+        std::istringstream row(line);
+        std::string kind;
+        double compensation, roughness, eta;
+        glm::dvec3 colour, wo, wi, f;
+        row >> kind >> compensation >> roughness >> eta >> colour.x >> colour.y >> colour.z >> wo.x >> wo.y >> wo.z >> wi.x >> wi.y >> wi.z >> f.x;
+        if (kind != "glass") continue;
+        inputs.push_back({.wo = glm::vec3(wo), .given = glm::vec3(wi), .roughness = float(roughness), .eta = float(eta)});
+        expected.push_back(f.x * std::abs(wi.z));
+    }
+    ASSERT_GE(inputs.size(), 50u);
+    const std::vector<GlassResult> results = run(Evaluate, inputs);
+    for (size_t k = 0; k < inputs.size(); ++k) EXPECT_NEAR(results[k].value.r, expected[k], 1e-3 * expected[k] + 1e-6) << k;
+}
+
+TEST_F(GlassDevice, albedos_are_those_of_a_separate_implementation) {
+    std::ifstream file(std::string(PARHELION_SOURCE_DIR) + "/tests/golden/oracles/microfacet_albedos.tsv");
+    std::vector<GlassInput> inputs;
+    std::vector<double> expected;
+    std::string line;
+    for (std::getline(file, line); std::getline(file, line);) {  // the first line is the heading
+        std::istringstream row(line);
+        double roughness, mu, skipped, reflected, transmitted;
+        row >> roughness >> mu >> skipped >> skipped >> skipped >> skipped;
+        for (const float eta : {1.5f, 1 / 1.5f}) {
+            row >> reflected >> transmitted;
+            inputs.push_back({.wo = direction(mu, 1), .given = {65536, 0, 0}, .roughness = float(roughness), .eta = eta});
+            expected.insert(expected.end(), {reflected, transmitted});
+        }
+    }
+    ASSERT_GE(inputs.size(), 50u);
+    const std::vector<GlassResult> results = run(Furnace, inputs);
+    for (size_t k = 0; k < inputs.size(); ++k) {
+        const std::string what = fmt::format("roughness {}, eta {}, cosine {}", inputs[k].roughness, inputs[k].eta, inputs[k].wo.z);
+        EXPECT_NEAR(results[k].reflected.x, expected[2 * k], 0.003) << what;
+        EXPECT_NEAR(results[k].transmitted.x, expected[2 * k + 1], 0.003) << what;
+    }
 }
 
 // Everything in range, and a little beyond, gives finite numbers that are not negative.

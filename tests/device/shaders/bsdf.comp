@@ -14,7 +14,7 @@ struct BsdfSurface {
 };
 struct BsdfInput {
     uint surface;
-    vec3 wo, given;  // kind 0: number of the lobe and two more; 1: wi; 2: x: samples of each lobe
+    vec3 wo, given;  // kind 0: number of the lobe and two more; 1: wi; 2: x: samples in each set
 };
 struct BsdfResult {
     vec3 wi, weight;     // sampled (kind 0)
@@ -61,27 +61,40 @@ vec3 point(uint n) {
     return vec3((n * steps + 0x80000000u) >> 8u) * 5.9604645e-8;
 }
 
-// The albedo seen from wo: as many samples in each lobe, of low discrepancy, and each lobe by its share.
+// Density of directions that are uniform in sqrt(cosine) and azimuth: many at grazing angles, where the BSDF's own are few.
+float pdf_grazing(vec3 wi) { return wi.z > 0.0 ? 1.0 / (4.0 * kPi * sqrt(wi.z)) : 0.0; }
+
+// The albedo seen from wo by the balance heuristic from two sets of directions, both of low discrepancy: the BSDF's own samples, as
+// many of each lobe, each lobe by its share; and that of pdf_grazing().
 void add_furnace(inout BsdfResult r, Bsdf bsdf, vec3 wo, uint count) {
     const LobeShares s = lobe_shares(bsdf, wo, bsdf_place(bsdf, wo));
     const float shares[5] = float[](s.ggx, s.wide, s.coat, s.sheen, s.glass);
     float first = 0.0;
-    for (uint lobe = 0u; lobe < 5u; ++lobe) {
+    BsdfValue albedo = kNoBsdfValue;
+    for (uint lobe = 0u; lobe < 6u; ++lobe) {
+        const float share = lobe < 5u ? shares[lobe] : 1.0;
         BsdfValue sum = kNoBsdfValue;
-        for (uint n = 0u; shares[lobe] > 0.0 && n < count; ++n) {
+        for (uint n = 0u; share > 0.0 && n < count; ++n) {
             const vec3 u = point(n);
-            const BsdfSample drawn = sample_bsdf(bsdf, wo, first + shares[lobe] * (0.001 + 0.998 * u.z), u.xy);
-            if (drawn.lobe == kLobeNone) continue;
-            sum.diffuse += drawn.weight.diffuse;
-            sum.specular += drawn.weight.specular;
-            sum.transmission += drawn.weight.transmission;
+            BsdfSample drawn;
+            if (lobe < 5u) {
+                drawn = sample_bsdf(bsdf, wo, first + share * (0.001 + 0.998 * u.z), u.xy);
+                if (drawn.lobe == kLobeNone) continue;
+                if (drawn.pdf > 0.0) drawn.weight = scale(drawn.weight, vec3(drawn.pdf / (drawn.pdf + pdf_grazing(drawn.wi))));
+            } else {
+                const float z = max(u.x * u.x, 1e-12), across = sqrt(1.0 - z * z), phi = 2.0 * kPi * u.y;
+                drawn.wi = vec3(across * cos(phi), across * sin(phi), z);
+                drawn.weight = scale(eval_bsdf(bsdf, wo, drawn.wi), vec3(1.0 / (pdf_bsdf_solid_angle(bsdf, wo, drawn.wi) + pdf_grazing(drawn.wi))));
+            }
+            sum = BsdfValue(sum.diffuse + drawn.weight.diffuse, sum.specular + drawn.weight.specular, sum.transmission + drawn.weight.transmission);
         }
-        const float by = shares[lobe] / float(count);
-        r.diffuse += by * sum.diffuse;
-        r.specular += by * sum.specular;
-        r.transmission += by * sum.transmission;
-        first += shares[lobe];
+        sum = scale(sum, vec3(share / float(count)));
+        albedo = BsdfValue(albedo.diffuse + sum.diffuse, albedo.specular + sum.specular, albedo.transmission + sum.transmission);
+        first += share;
     }
+    r.diffuse = albedo.diffuse;
+    r.specular = albedo.specular;
+    r.transmission = albedo.transmission;
 }
 
 void main() {
@@ -102,7 +115,6 @@ void main() {
     }
     const Bsdf bsdf = bsdf_of(push.surfaces.v[given.surface]);
     if (push.kind == 2u) {
-        r.diffuse = r.specular = r.transmission = vec3(0.0);
         add_furnace(r, bsdf, given.wo, uint(given.given.x));
         push.results.v[index] = r;
         return;
