@@ -41,8 +41,8 @@ struct SpawnCounts {
     }
 };
 
-// Triangles in the world about points |p| of 1e-6 to 1e6 metres, a quarter of them on a coordinate plane and half of them up to a
-// thousand times as large as that, and instances that are turned, stretched and moved as much.
+// Triangles in the world about points |p| of 1e-6 to 1e6 metres, a quarter of them about a point of a coordinate plane (half of these
+// in it, where positions are exact) and half of them up to a thousand times as large as that, and instances that are turned, stretched and moved as much.
 class SpawnScene {
 public:
     static constexpr uint32_t kWorldTriangles = 1500, kInstances = 20, kInstanceTriangles = 50;
@@ -102,6 +102,8 @@ private:
             glm::vec3 center = away * random_.direction();
             if (i % 4 == 0) center[int(i / 4 % 3)] = 0.0f;
             add_triangle(world, center, away * power(-3.0f, i % 2 == 0 ? 0.5f : 3.0f));
+            if (i % 8 == 0)
+                for (size_t corner = 0; corner < 3; ++corner) world.positions[3 * i + corner][int(i / 4 % 3)] = 0.0f;
         }
         for (uint32_t i = 0; i < kInstanceTriangles; ++i) add_triangle(object, random_.direction(), power(-2.0f, 0.0f));
         builtin::add_object(edit, "world", std::move(world), material);
