@@ -3,41 +3,13 @@
 // exact mirrors. A triple sample / pdf / eval in the shading frame (z = shading normal on the side of wo).
 #ifndef PARHELION_LIB_BSDF_GLSL
 #define PARHELION_LIB_BSDF_GLSL
+#include "lib/bsdf_types.glsl"
 #include "lib/color.glsl"
 #include "lib/glass.glsl"
 #include "lib/glossy.glsl"
 #include "lib/layers.glsl"
 #include "lib/warp.glsl"
 #include "shared/types.h"
-
-const uint kLobeDiffuse = 0u;
-const uint kLobeSpecular = 1u;
-const uint kLobeTransmission = 2u;
-const uint kLobeNone = 3u;
-
-// The parts of a material that only some scenes have (transmission, clear coat, sheen) cost nothing in shaders compiled without
-// LAYERS; SceneHeader::features says what a scene needs.
-#ifdef LAYERS
-const bool kLayers = true;
-#else
-const bool kLayers = false;
-#endif
-
-// What the material says at a point of a surface. Factors and textures are multiplied already; colours are linear Rec. 709.
-struct BsdfParameters {
-    vec3 base_color;
-    float metallic, roughness;     // perceptual roughness
-    float ior;                     // of the material; 0: reflects everything (KHR_materials_ior)
-    float specular;                // KHR_materials_specular; 0 with metallic 0: a pure Lambert surface
-    vec3 specular_color;
-    // Below: with LAYERS only.
-    float transmission;            // KHR_materials_transmission
-    bool thin;                     // the transmitting surface is a wall without thickness: no refraction, equal from both sides
-    float eta;                     // index of refraction beyond the surface over that on wo's side
-    float coat, coat_roughness;    // KHR_materials_clearcoat
-    vec3 sheen_color;              // KHR_materials_sheen
-    float sheen_roughness;
-};
 
 struct Bsdf {
     Glossy base;
@@ -49,22 +21,6 @@ struct Bsdf {
     bool inside;          // wo is in the volume behind the surface, where no layer lies
     Layers layers;
 };
-
-// Value times cosine, by class of the path that takes it (docs/path-space.md).
-struct BsdfValue {
-    vec3 diffuse, specular, transmission;
-};
-vec3 total(BsdfValue value) { return value.diffuse + value.specular + value.transmission; }
-BsdfValue scale(BsdfValue value, vec3 by) { return BsdfValue(value.diffuse * by, value.specular * by, value.transmission * by); }
-const BsdfValue kNoBsdfValue = BsdfValue(vec3(0.0), vec3(0.0), vec3(0.0));
-
-struct BsdfSample {
-    vec3 wi;
-    BsdfValue weight;  // f cos / pdf of all lobes together, by class; of a delta lobe, of that lobe alone
-    float pdf;         // per solid angle, of all lobes together; < 0: a delta lobe, which no light sample finds
-    uint lobe;         // that was drawn; kLobeNone: absorbed
-};
-const BsdfSample kNoBsdfSample = BsdfSample(vec3(0.0), kNoBsdfValue, 0.0, kLobeNone);
 
 // KHR_materials_ior and KHR_materials_specular: the colour scales the dielectric's reflectance at normal incidence, up to 1, and
 // `specular` all of it; metal has neither. glTF 2.0, appendix B.3.
@@ -80,8 +36,8 @@ Bsdf make_bsdf(BsdfParameters p, vec3 coat_normal, bool compensate, uint64_t tab
     bsdf.base = make_glossy(p.base_color * opaque, p.base_color, p.metallic, dielectric_f0, p.specular, opaque, p.roughness, compensate, tables);
 #ifdef LAYERS
     bsdf.glass_weight = (1.0 - p.metallic) * transmission;
-    if (bsdf.glass_weight > 0.0) bsdf.glass = make_glass(p.base_color, p.roughness, p.eta, p.specular, p.thin);
-    bsdf.inside = transmission > 0.0 && !p.thin && p.eta < 1.0;
+    if (bsdf.glass_weight > 0.0) bsdf.glass = make_glass(p.base_color, p.roughness, p.eta, p.specular, p.thin, compensate, tables);
+    bsdf.inside = transmission > 0.0 && !p.thin && p.eta > 0.0 && p.eta < 1.0;
     bsdf.layers = make_layers(bsdf.base, p.coat, p.coat_roughness, coat_normal, p.sheen_color, p.sheen_roughness, compensate, tables);
 #endif
     return bsdf;
@@ -109,15 +65,17 @@ BsdfPlace bsdf_place(Bsdf bsdf, vec3 w) {
     return place;
 }
 
-// Probabilities of the lobes: `wide` is everything that is sampled by the cosine.
+// Probabilities of the lobes: `wide` is everything that is sampled by the cosine; sheen is sampled uniformly, because it is brightest
+// at grazing angles.
 struct LobeShares {
-    float wide, ggx, coat, glass;
+    float wide, ggx, coat, sheen, glass;
 };
+const LobeShares kNoShares = LobeShares(0.0, 0.0, 0.0, 0.0, 0.0);
 
 // From what each lobe would return towards wo. Narrow lobes get at least a tenth where they are there at all: their light is the
 // brightest; the wide one enough to bound the weight of what is scattered again.
 LobeShares lobe_shares(Bsdf bsdf, vec3 wo, BsdfPlace o) {
-    LobeShares s = LobeShares(0.0, 0.0, 0.0, 0.0);
+    LobeShares s = kNoShares;
     float passes = 1.0;
 #ifdef LAYERS
     const bool layered = is_layered(bsdf) && !bsdf.inside;
@@ -129,19 +87,19 @@ LobeShares lobe_shares(Bsdf bsdf, vec3 wo, BsdfPlace o) {
     if (layered) {
         const Layers l = bsdf.layers;
         s.wide += luminance(o.layers.residual) + l.coat * l.coat_again * o.layers.coat_loss;
-        if (l.sheen > 0.0) s.wide += o.layers.sheen_out * luminance(l.sheen_color) / l.sheen;
+        if (l.sheen > 0.0) s.sheen = o.layers.sheen_out * luminance(l.sheen_color) / l.sheen;
         if (bsdf.base.delta) s.ggx = o.layers.leaves * luminance(single_albedo(bsdf.base.glossy, o.table));
         s.coat = max(o.layers.coat - l.coat * l.coat_again * o.layers.coat_loss, 0.0);
     }
     if (has_glass(bsdf)) s.glass = passes * bsdf.glass_weight * glass_albedo(bsdf.glass, wo.z);
 #endif
-    const float sum = s.wide + s.ggx + s.coat + s.glass;
+    const float sum = s.wide + s.ggx + s.coat + s.sheen + s.glass;
     if (s.wide > 0.0) s.wide = max(s.wide, 0.02 * sum);
     if (s.ggx > 0.0) s.ggx = max(s.ggx, 0.1 * sum);
     if (s.coat > 0.0) s.coat = max(s.coat, 0.1 * sum);
     if (s.glass > 0.0) s.glass = max(s.glass, 0.1 * sum);
-    const float by = sum > 0.0 ? 1.0 / (s.wide + s.ggx + s.coat + s.glass) : 0.0;
-    return LobeShares(s.wide * by, s.ggx * by, s.coat * by, s.glass * by);
+    const float by = sum > 0.0 ? 1.0 / (s.wide + s.ggx + s.coat + s.sheen + s.glass) : 0.0;
+    return LobeShares(s.wide * by, s.ggx * by, s.coat * by, s.sheen * by, s.glass * by);
 }
 
 // Value and density of all lobes that are no mirrors.
@@ -151,12 +109,15 @@ struct BsdfTerms {
 };
 
 #ifdef LAYERS
+const float kUniformHemisphere = 0.5 / kPi;
+
 void add_layers(inout BsdfTerms terms, Bsdf bsdf, LobeShares shares, BsdfPlace o, BsdfPlace i, vec3 wo, vec3 wi) {
     const Layers l = bsdf.layers;
     const float passes = o.layers.passes * i.layers.passes;
     terms.value = scale(terms.value, vec3(passes));
     terms.value.diffuse += eval_residual(l, o.layers, i.layers, wi.z);
     if (l.sheen > 0.0) terms.value.diffuse += eval_sheen(l, o.layers, i.layers, half_vector(wo, wi), wo, wi);
+    terms.pdf += shares.sheen * kUniformHemisphere;
     if (l.coat <= 0.0 || o.layers.cos_coat <= 0.0 || i.layers.cos_coat <= 0.0) return;
     terms.value.specular += vec3(eval_coat_again(l, o.layers, i.layers));
     if (l.coat_delta) return;
@@ -201,7 +162,7 @@ BsdfTerms bsdf_terms(Bsdf bsdf, LobeShares shares, BsdfPlace o, vec3 wo, vec3 wi
 }
 
 BsdfValue eval_bsdf(Bsdf bsdf, vec3 wo, vec3 wi) {
-    return bsdf_terms(bsdf, LobeShares(0.0, 0.0, 0.0, 0.0), bsdf_place(bsdf, wo), wo, wi).value;
+    return bsdf_terms(bsdf, kNoShares, bsdf_place(bsdf, wo), wo, wi).value;
 }
 
 float pdf_bsdf_solid_angle(Bsdf bsdf, vec3 wo, vec3 wi) {
@@ -252,6 +213,7 @@ BsdfSample sample_bsdf(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u) {
     if (u_lobe < shares.ggx) {
         if (bsdf.base.delta) return sample_delta_base(bsdf, shares, o, wo);
         result.wi = sample_ggx_reflection(wo, bsdf.base.alpha, u);
+        if (result.wi.z <= 0.0) return kNoBsdfSample;
         result.lobe = kLobeSpecular;
     } else if (u_lobe < shares.ggx + shares.wide) {
         result.wi = sample_cosine_hemisphere(u);
@@ -261,12 +223,17 @@ BsdfSample sample_bsdf(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u) {
     else if (u_lobe < shares.ggx + shares.wide + shares.coat) {
         if (bsdf.layers.coat_delta) return sample_delta_coat(bsdf, shares, o, wo);
         const vec3 co = to_coat(bsdf.layers, wo);
-        if (co.z <= 0.0) return result;
-        result.wi = from_coat(bsdf.layers, sample_ggx_reflection(co, bsdf.layers.coat_alpha, u));
+        if (co.z <= 0.0) return kNoBsdfSample;
+        const vec3 ci = sample_ggx_reflection(co, bsdf.layers.coat_alpha, u);
+        result.wi = from_coat(bsdf.layers, ci);
         result.lobe = kLobeSpecular;
-        if (result.wi.z <= 0.0) return kNoBsdfSample;
+        if (ci.z <= 0.0 || result.wi.z <= 0.0) return kNoBsdfSample;
+    } else if (u_lobe < shares.ggx + shares.wide + shares.coat + shares.sheen) {
+        result.wi = sample_uniform_sphere(u);
+        result.wi.z = abs(result.wi.z);
+        result.lobe = kLobeDiffuse;
     } else if (shares.glass > 0.0) {
-        const float u_glass = min((u_lobe - shares.ggx - shares.wide - shares.coat) / shares.glass, 0.99999994);
+        const float u_glass = min((u_lobe - (1.0 - shares.glass)) / shares.glass, 0.99999994);
         const GlassSample glass = sample_glass(bsdf.glass, wo, u_glass, u);
         if (glass.pdf == 0.0) return result;
         if (glass.pdf < 0.0) return sample_delta_glass(bsdf, shares, o, wo, glass);
@@ -274,7 +241,7 @@ BsdfSample sample_bsdf(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u) {
         result.lobe = glass.wi.z < 0.0 ? kLobeTransmission : kLobeSpecular;
     }
 #endif
-    if (result.lobe == kLobeNone || (!kLayers && result.wi.z <= 0.0)) return kNoBsdfSample;
+    if (result.lobe == kLobeNone) return kNoBsdfSample;
     const BsdfTerms terms = bsdf_terms(bsdf, shares, o, wo, result.wi);
     if (terms.pdf <= 0.0) return kNoBsdfSample;
     result.pdf = terms.pdf;

@@ -4,6 +4,7 @@
 // f(wo, wi) / n_o^2 = f(wi, wo) / n_i^2 (Veach 1997, 5.2).
 #ifndef PARHELION_LIB_GLASS_GLSL
 #define PARHELION_LIB_GLASS_GLSL
+#include "lib/bsdf_tables.glsl"
 #include "lib/color.glsl"
 #include "lib/microfacet.glsl"
 #include "lib/warp.glsl"
@@ -15,11 +16,17 @@ const float kMatchedIndices = 1e-3;
 
 struct Glass {
     vec3 tint;       // of the light that crosses
+    float roughness; // perceptual
     float alpha;     // GGX width
-    float eta;       // index of refraction beyond over that on wo's side
+    float eta;       // index of refraction beyond over that on wo's side; 0: everything is reflected
     float specular;  // scales the reflectance, except where it is total
     bool thin;       // a wall without thickness: what crosses is mirrored, not refracted
     bool delta;      // smooth: directions are exact. What a smooth wall lets pass straight is pane_transmittance(), not of the triple
+    // What microfacets scatter more than once.
+    bool compensated;
+    uint64_t tables;
+    float average_loss, average_loss_beyond;  // over the hemispheres, of light from wo's side and from the other
+    float crossing;                           // share of it that crosses
 };
 
 struct GlassSample {
@@ -27,18 +34,6 @@ struct GlassSample {
     vec3 weight;  // f cos / pdf
     float pdf;    // per solid angle; < 0: a delta lobe, its weight is over the probability of that lobe; 0: absorbed
 };
-
-Glass make_glass(vec3 tint, float roughness, float eta, float specular, bool thin) {
-    Glass g;
-    const bool matched = abs(eta - 1.0) < kMatchedIndices;
-    g.tint = tint;
-    g.alpha = roughness * roughness;
-    g.eta = matched ? 1.0 : eta;
-    g.specular = specular;
-    g.thin = thin;
-    g.delta = roughness < kDeltaRoughness || (matched && !thin);
-    return g;
-}
 
 // Fresnel's reflectance for unpolarised light from the cosines of both directions to the normal: the same for both, and exactly so.
 float fresnel_dielectric(float cos_o, float cos_i, float eta) {
@@ -56,15 +51,64 @@ float glass_reflectance(Glass g, float cos_o) {
     return eta_cos_i == 0.0 ? 1.0 : g.specular * fresnel_dielectric(cos_o, eta_cos_i / g.eta, g.eta);
 }
 
+// What rough glass scatters more than once of light from this cosine, on wo's side or beyond: 1 - the albedo.
+float glass_loss(Glass g, float cosine, bool beyond) {
+    if (!g.compensated) return 0.0;
+    if (g.thin || g.eta == 0.0) return ggx_albedo(g.tables, cosine, g.roughness).x;  // both sides together return what a mirror does
+    return glass_table(g.tables, cosine, g.roughness, beyond ? 1.0 / g.eta : g.eta, g.specular);
+}
+float glass_average_loss(Glass g, bool beyond) {
+    if (g.thin || g.eta == 0.0) return ggx_albedo_average(g.tables, g.roughness).x;
+    return glass_average_table(g.tables, g.roughness, beyond ? 1.0 / g.eta : g.eta, g.specular);
+}
+
+// Luminance of what is scattered once and more than once, about: for the choice between lobes. Without the square of the index, and
+// without what a smooth wall lets pass straight.
+float glass_once_albedo(Glass g, float cos_o, float loss) {
+    const float reflectance = glass_reflectance(g, cos_o);
+    return (1.0 - loss) * (reflectance + (g.thin && g.delta ? 0.0 : (1.0 - reflectance) * luminance(g.tint)));
+}
+float glass_more_albedo(Glass g, float loss) { return loss * (1.0 - g.crossing + g.crossing * luminance(g.tint)); }
+float glass_albedo(Glass g, float cos_o) {
+    const float loss = glass_loss(g, cos_o, false);
+    return glass_once_albedo(g, cos_o, loss) + glass_more_albedo(g, loss);
+}
+
+// Kulla and Conty 2017, "Revisiting Physically Based Shading at Imageworks": light that is scattered more than once leaves as from
+// Lambert lobes on both sides, in proportion to what the microfacets lose in each direction (l, averages L):
+//     reflected  (1 - a) l(o) l(i) / (pi L)        crossing  a l(o) l'(i) / (pi L') (1 / eta)^2        (primes: of the other side)
+// Whatever a is, both together return l(o). Reciprocity of what crosses, f / n_o^2 equal in both directions, asks for
+// a L n_o^2 = a' L' n_i^2: so a is L' eta^2 times something symmetric. We take the most that keeps both shares within 1, times
+// Fresnel's mean transmittance from the rarer side: a = t min(1, L' eta^2 / L), a' = t min(1, L / (L' eta^2)). A wall has L = L'.
+void compensate_glass(inout Glass g) {
+    g.average_loss = max(glass_average_loss(g, false), 1e-8);
+    g.average_loss_beyond = g.thin ? g.average_loss : max(glass_average_loss(g, true), 1e-8);
+    const float n = max(g.eta, 1.0 / g.eta), mean_reflectance = (n - 1.0) / (4.08567 + 1.00071 * n);  // Kulla and Conty's fit
+    g.crossing = (1.0 - g.specular * mean_reflectance) * (g.thin ? 1.0 : min(1.0, g.average_loss_beyond * g.eta * g.eta / g.average_loss));
+    if (g.eta == 0.0) g.crossing = 0.0;
+}
+
+// `tables` is the address of the directional albedos, of no matter without `compensate`.
+Glass make_glass(vec3 tint, float roughness, float eta, float specular, bool thin, bool compensate, uint64_t tables) {
+    const bool matched = abs(eta - 1.0) < kMatchedIndices, opaque = !(eta > 1e-3 && eta < 1e3);  // an index of 0: KHR_materials_ior
+    Glass g;
+    g.tint = tint;
+    g.roughness = roughness;
+    g.alpha = roughness * roughness;
+    g.eta = matched ? 1.0 : (opaque ? 0.0 : eta);
+    g.specular = specular;
+    g.thin = thin;
+    g.delta = roughness < kDeltaRoughness || (matched && !thin);
+    g.compensated = compensate && !g.delta;
+    g.tables = tables;
+    g.average_loss = g.average_loss_beyond = g.crossing = 0.0;
+    if (g.compensated) compensate_glass(g);
+    return g;
+}
+
 // What passes straight through a smooth wall without thickness. KHR_materials_transmission: one boundary's reflectance, tinted once.
 vec3 pane_transmittance(Glass g, float cos_o) {
     return g.thin && g.delta ? g.tint * (1.0 - glass_reflectance(g, cos_o)) : vec3(0.0);
-}
-
-// Luminance of what leaves the surface, about: for the choice between lobes. What a smooth wall lets pass straight is left out.
-float glass_albedo(Glass g, float cos_o) {
-    const float reflectance = glass_reflectance(g, cos_o);
-    return reflectance + (g.thin && g.delta ? 0.0 : (1.0 - reflectance) * luminance(g.tint));
 }
 
 // Share of samples that are reflected where `reflectance` is.
@@ -121,9 +165,37 @@ GlassTerms glass_refracted(Glass g, vec3 wo, vec3 wi) {
                       (1.0 - reflected_share(g, reflectance)) * common_terms * g.eta * g.eta / (1.0 + lambda_o));
 }
 
-GlassTerms glass_terms(Glass g, vec3 wo, vec3 wi) {
-    if (g.delta || wo.z <= 0.0 || wi.z == 0.0) return kNoGlassTerms;
+GlassTerms glass_once(Glass g, vec3 wo, vec3 wi) {
     return wi.z < 0.0 && !g.thin ? glass_refracted(g, wo, wi) : glass_mirrored(g, wo, wi);
+}
+
+// Share of the samples scattered more than once that cross.
+float crossing_share(Glass g) {
+    const float crossing = g.crossing * luminance(g.tint);
+    return crossing / max(1.0 - g.crossing + crossing, 1e-20);
+}
+
+// Share of samples that are scattered once.
+float glass_once_share(Glass g, float cos_o, float loss) {
+    const float once = glass_once_albedo(g, cos_o, loss), more = glass_more_albedo(g, loss);
+    return more > 0.0 ? once / (once + more) : 1.0;
+}
+
+// What is scattered more than once, `loss` of the light from wo: compensate_glass().
+GlassTerms glass_more(Glass g, float loss, vec3 wi) {
+    const bool crosses = wi.z < 0.0;
+    const float cos_i = abs(wi.z), lobe = loss * glass_loss(g, cos_i, crosses) * cos_i / kPi, pdf = cos_i / kPi, share = crossing_share(g);
+    if (!crosses) return GlassTerms(vec3((1.0 - g.crossing) * lobe / g.average_loss), (1.0 - share) * pdf);
+    return GlassTerms(g.tint * (g.crossing * lobe / (g.average_loss_beyond * (g.thin ? 1.0 : g.eta * g.eta))), share * pdf);
+}
+
+GlassTerms glass_terms(Glass g, vec3 wo, vec3 wi) {
+    if (g.delta || wo.z <= 0.0 || wi.z == 0.0 || (g.eta == 0.0 && wi.z < 0.0)) return kNoGlassTerms;
+    const GlassTerms once = glass_once(g, wo, wi);
+    const float loss = glass_loss(g, wo.z, false);
+    if (loss == 0.0) return once;
+    const GlassTerms more = glass_more(g, loss, wi);
+    return GlassTerms(once.value + more.value, mix(more.pdf, once.pdf, glass_once_share(g, wo.z, loss)));
 }
 vec3 eval_glass(Glass g, vec3 wo, vec3 wi) { return glass_terms(g, wo, wi).value; }
 float pdf_glass_solid_angle(Glass g, vec3 wo, vec3 wi) { return glass_terms(g, wo, wi).pdf; }
@@ -141,16 +213,27 @@ GlassSample sample_smooth_glass(Glass g, vec3 wo, float u_lobe) {
     return GlassSample(refract_glass(g, wo, vec3(0.0, 0.0, 1.0)), g.tint * ((1.0 - reflectance) / ((1.0 - share) * g.eta * g.eta)), -1.0);
 }
 
-// u_lobe picks the side, u the direction.
-GlassSample sample_glass(Glass g, vec3 wo, float u_lobe, vec2 u) {
-    if (g.delta) return sample_smooth_glass(g, wo, u_lobe);
-    const GlassSample absorbed = GlassSample(vec3(0.0), vec3(0.0), 0.0);
+// Scattered once; no direction where the microfacets' neighbours would be met.
+vec3 sample_glass_once(Glass g, vec3 wo, float u_side, vec2 u) {
     const vec3 h = sample_vndf_ggx(wo, g.alpha, u);
-    const bool crosses = u_lobe >= reflected_share(g, glass_reflectance(g, dot(wo, h)));
+    const bool crosses = u_side >= reflected_share(g, glass_reflectance(g, dot(wo, h)));
     vec3 wi = crosses && !g.thin ? refract_glass(g, wo, h) : reflect(-wo, h);
     if (crosses && g.thin) wi.z = -wi.z;
-    if (crosses != wi.z < 0.0) return absorbed;
+    return crosses == wi.z < 0.0 ? wi : vec3(0.0);
+}
+
+// u_lobe picks the lobe and the side, u the direction.
+GlassSample sample_glass(Glass g, vec3 wo, float u_lobe, vec2 u) {
+    if (g.delta) return sample_smooth_glass(g, wo, u_lobe);
+    const float share = glass_once_share(g, wo.z, glass_loss(g, wo.z, false));
+    vec3 wi;
+    if (u_lobe < share) {
+        wi = sample_glass_once(g, wo, u_lobe / share, u);
+    } else {
+        wi = sample_cosine_hemisphere(u);
+        if (u_lobe - share < (1.0 - share) * crossing_share(g)) wi.z = -wi.z;
+    }
     const GlassTerms terms = glass_terms(g, wo, wi);
-    return terms.pdf > 0.0 ? GlassSample(wi, terms.value / terms.pdf, terms.pdf) : absorbed;
+    return terms.pdf > 0.0 ? GlassSample(wi, terms.value / terms.pdf, terms.pdf) : GlassSample(vec3(0.0), vec3(0.0), 0.0);
 }
 #endif

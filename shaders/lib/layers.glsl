@@ -1,8 +1,8 @@
 // What lies on a surface: sheen, and a clear coat over it (KHR_materials_sheen, KHR_materials_clearcoat).
 //
-// A layer that scatters the share S(mu) of light from mu would give back L = layer + T(o) T(i) b(o, i), T = 1 - S, over a surface b:
-// symmetric, but the light that the layer turns back on its way out is lost. What is missing to a white surface's 1 is known,
-//     N(o) = 1 - S(o) - T(o) int T(i) b(o, i) di,
+// Layers that scatter the share S(mu) of light from mu would give back S + T(o) T(i) b(o, i), T = 1 - S, over a surface b: symmetric,
+// but the light that they turn back on its way out is lost. What is missing to a white surface's 1 is known,
+//     N(o) = 1 - S(o) - T(o) int T(i) b(o, i) di,     which only needs averages of the layers' albedos over b (shared/bsdf_tables.h),
 // and goes out as N(o) N(i) / (pi N_average), as what microfacets scatter more than once does (Kulla and Conty 2017): the whole is
 // symmetric, and white over white. Over a coloured surface N is taken of its albedos, and what comes back has met it once more.
 // A mirror's light stays a mirror's: it comes out whole, weighted by what the layers do not scatter.
@@ -19,7 +19,8 @@ struct Layers {
     bool coat_delta;
     vec3 sheen_color;
     float sheen;          // its largest channel, by which it darkens what lies below; 0: none
-    float sheen_roughness;
+    float sheen_alpha, sheen_place;       // the latter on the tables' axis
+    float sheen_share;    // of its albedo that counts in T; less than 1 under a smooth coat, so that T stays positive
     float over_again, over_diffuse;  // the layers' albedo averaged over Glossy's again and Lambert lobes
     vec3 residual;        // what N(o) N(i) is multiplied by
 };
@@ -34,7 +35,7 @@ struct LayerPlace {
     float sheen_cap;
     float sheen_out;       // the sheen lobe's albedo behind the coat
     float leaves;          // 1 - what the layers scatter
-    float passes;          // T: 1 - the albedos' sum
+    float passes;          // T: 1 - the sum of the albedos, which need not be exactly what leaves: N takes the rest
     vec3 residual;         // N
 };
 
@@ -62,20 +63,20 @@ LayerPlace layer_place(Layers l, Glossy g, vec3 w, vec2 t, uint64_t tables) {
         const TableAxis roughness = table_axis(l.coat_roughness, kLayerRoughness);
         if (over_ggx) over += l.coat * read_table(tables, kCoatOverGgxAt, mu, below, roughness, uvec2(kLayerMu, kLayerBelow));
         if (l.sheen > 0.0) coat_over_sheen = l.coat * l.sheen *
-            read_table(tables, kCoatOverSheenAt, mu, table_axis(l.sheen_roughness, kLayerRoughness), roughness, uvec2(kLayerMu, kLayerRoughness)).x;
+            read_table(tables, kCoatOverSheenAt, mu, table_axis(l.sheen_place, kLayerRoughness), roughness, uvec2(kLayerMu, kLayerRoughness)).x;
     }
     if (l.sheen > 0.0) {
-        const vec2 ts = read_table(tables, kSheenAlbedoAt, mu_axis(w.z, kSheenMu), table_axis(l.sheen_roughness, kSheenRoughness), kSheenMu);
+        const vec2 ts = read_table(tables, kSheenAlbedoAt, mu_axis(w.z, kSheenMu), table_axis(l.sheen_place, kSheenRoughness), kSheenMu);
         p.sheen = l.sheen * ts.x;
         p.sheen_cap = ts.y;
-        if (over_ggx) over += l.sheen * read_table(tables, kSheenOverGgxAt, mu, below, table_axis(l.sheen_roughness, kLayerRoughness), uvec2(kLayerMu, kLayerBelow));
+        if (over_ggx) over += l.sheen_share * l.sheen * read_table(tables, kSheenOverGgxAt, mu, below, table_axis(l.sheen_place, kLayerRoughness), uvec2(kLayerMu, kLayerBelow));
     }
     p.sheen_out = (1.0 - p.coat) * max(p.sheen - coat_over_sheen, 0.0);
     p.leaves = max(1.0 - p.coat - p.sheen_out, 0.0);
-    p.passes = clamp(1.0 - p.coat - p.sheen, 0.0, p.leaves);
+    p.passes = max(1.0 - p.coat - l.sheen_share * p.sheen, 0.0);
     const vec3 again = again_albedo(g, t), diffuse = diffuse_albedo(g, t), single = over_ggx ? single_albedo(g.glossy, t) : vec3(0.0);
     const vec3 turned_back = g.glossy.f0 * over.x + vec3(g.glossy.f90 * over.y) + again * l.over_again + diffuse * l.over_diffuse;
-    p.residual = (p.leaves - p.passes) * (single + again + diffuse) + p.passes * turned_back;
+    p.residual = max((p.leaves - p.passes) * (single + again + diffuse) + p.passes * turned_back, vec3(0.0));
     return p;
 }
 
@@ -87,17 +88,25 @@ vec2 layer_averages(Glossy g, uint at, float average, float roughness, uint64_t 
     return vec2(t.x, max(average - over, 0.0) / g.passes_average);
 }
 
-// N_average by Gauss-Jacobi quadrature over 2 cos, and how much light that comes back down leaves a surface of its colour.
+// (cosine, weight) of quadrature over 2 cos: Gauss-Jacobi in the cosine, enough for a coat; and, for sheen, which is seen at grazing angles
+// only where its roughness is small, Gauss-Legendre in sqrt(cosine) on both sides of 0.6 (its first node, of weight 3e-5, left out).
+const uint kCoatNodes = 4u, kSheenNodes = 6u;
+const vec2 kNodes[10] = vec2[](vec2(0.139759864, 0.062361942), vec2(0.416409568, 0.259695095), vec2(0.723156986, 0.406929136), vec2(0.942895804, 0.271013827),
+                               vec2(0.039206252, 0.006105350), vec2(0.161599428, 0.050837624), vec2(0.311744553, 0.072657026), vec2(0.416129066, 0.119305251),
+                               vec2(0.640000000, 0.364088889), vec2(0.911870934, 0.387005860));
+
+// N_average, and how much light that comes back down leaves a surface of its colour.
 void set_residual(inout Layers l, Glossy g, float turned_back_average, uint64_t tables) {
-    const vec2 nodes[5] = vec2[](vec2(0.098535086, 0.031495829), vec2(0.304535727, 0.147817740), vec2(0.562025190, 0.292773974), vec2(0.801986582, 0.334349276), vec2(0.960190143, 0.193563180));
+    const uint first = l.sheen > 0.0 ? kCoatNodes : 0u, last = l.sheen > 0.0 ? kCoatNodes + kSheenNodes : kCoatNodes;
     vec3 average = vec3(0.0), albedo = vec3(0.0);
     Layers flat_layers = l;
     flat_layers.coat_normal = vec3(0.0, 0.0, 1.0);
-    for (uint k = 0u; k < 5u; ++k) {
-        const vec3 w = vec3(sqrt(1.0 - nodes[k].x * nodes[k].x), 0.0, nodes[k].x);
+    for (uint k = first; k < last; ++k) {
+        const vec2 node = kNodes[k];
+        const vec3 w = vec3(sqrt(1.0 - node.x * node.x), 0.0, node.x);
         const vec2 t = glossy_table(g, w.z, tables);
-        average += nodes[k].y * layer_place(flat_layers, g, w, t, tables).residual;
-        albedo += nodes[k].y * (whole_albedo(g.glossy, t) + diffuse_albedo(g, t));
+        average += node.y * layer_place(flat_layers, g, w, t, tables).residual;
+        albedo += node.y * (whole_albedo(g.glossy, t) + diffuse_albedo(g, t));
     }
     // A series: met by the surface, and turned back by the layers, again and again.
     const float back = min(turned_back_average, 0.95);
@@ -116,7 +125,10 @@ Layers make_layers(Glossy g, float coat, float coat_roughness, vec3 coat_normal,
     l.coat_loss_average = 0.0;
     l.sheen_color = sheen_color;
     l.sheen = max_component(sheen_color);
-    l.sheen_roughness = max(sheen_roughness, kMinSheenRoughness);
+    const float roughness = max(sheen_roughness, kMinSheenRoughness);
+    l.sheen_alpha = roughness * roughness;
+    l.sheen_place = (roughness - kMinSheenRoughness) / (1.0 - kMinSheenRoughness);
+    l.sheen_share = 1.0;
     l.over_again = 0.0;
     l.over_diffuse = 0.0;
     l.residual = vec3(0.0);
@@ -128,16 +140,17 @@ Layers make_layers(Glossy g, float coat, float coat_roughness, vec3 coat_normal,
         l.coat_again = r.again.x;
         l.coat_loss_average = average.x;
         const float mean = whole_albedo(r, average).x;
+        if (l.sheen > 0.0) l.sheen_share -= 0.5 * coat * whole_albedo(r, coat_table(l, 0.1, tables)).x;  // as it is near grazing angles
         const vec2 over = layer_averages(g, kCoatOverLossAt, mean, coat_roughness, tables);
         l.over_again += coat * over.x;
         l.over_diffuse += coat * over.y;
         turned_back += coat * mean;
     }
     if (l.sheen > 0.0) {
-        const float mean = read_float_table(tables, kSheenAverageAt, table_axis(l.sheen_roughness, kSheenRoughness)).x;
-        const vec2 over = layer_averages(g, kSheenOverLossAt, mean, l.sheen_roughness, tables);
-        l.over_again += l.sheen * over.x;
-        l.over_diffuse += l.sheen * over.y;
+        const float mean = read_float_table(tables, kSheenAverageAt, table_axis(l.sheen_place, kSheenRoughness)).x;
+        const vec2 over = layer_averages(g, kSheenOverLossAt, mean, l.sheen_place, tables);
+        l.over_again += l.sheen_share * l.sheen * over.x;
+        l.over_diffuse += l.sheen_share * l.sheen * over.y;
         turned_back += l.sheen * mean;
     }
     set_residual(l, g, turned_back, tables);
@@ -175,7 +188,7 @@ float sheen_lambda(float cosine, float alpha) {
     return exp(2.0 * (a / (1.0 + b * pow(0.5, c)) + d * 0.5 + e) - fit);
 }
 vec3 eval_sheen(Layers l, LayerPlace o, LayerPlace i, vec3 h, vec3 wo, vec3 wi) {
-    const float alpha = l.sheen_roughness * l.sheen_roughness;
+    const float alpha = l.sheen_alpha;
     const float distribution = (2.0 + 1.0 / alpha) * pow(clamp(dot(h.xy, h.xy), 0.0, 1.0), 0.5 / alpha) / (2.0 * kPi);
     const float masked = distribution / ((1.0 + sheen_lambda(wo.z, alpha) + sheen_lambda(wi.z, alpha)) * 4.0 * wo.z);
     return l.sheen_color * (masked * o.sheen_cap * i.sheen_cap * (1.0 - o.coat) * (1.0 - i.coat));

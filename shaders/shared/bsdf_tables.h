@@ -20,8 +20,9 @@ SHARED_CONST uint kGgxAverageAt = kGgxAlbedoAt + kGgxMu * kGgxRoughness;  // flo
 SHARED_CONST uint kGgxWords = kGgxMu * kGgxRoughness + 2u * kGgxRoughness;
 
 // ---- bsdf_layers.bin: a clear coat and sheen, and what they turn back of the light that comes up from the surface below ----
-// Sheen below this perceptual roughness is drawn with it: narrower fibres reflect at grazing angles only.
-SHARED_CONST float kMinSheenRoughness = 0.0625f;
+// Sheen's roughness is drawn as at least this: fibres that diverge less reflect at grazing angles only. Its axes begin there: a place
+// on them is (roughness - kMinSheenRoughness) / (1 - kMinSheenRoughness).
+SHARED_CONST float kMinSheenRoughness = 0.1f;
 // (albedo, cap) over (mu, roughness): the lobe seen from o is multiplied by cap(o) cap(i), because Charlie sheen alone returns more
 // than it gets at grazing angles.
 SHARED_CONST uint kSheenMu = 65u, kSheenRoughness = 65u;
@@ -30,7 +31,7 @@ SHARED_CONST uint kSheenAverageAt = kSheenAlbedoAt + kSheenMu * kSheenRoughness;
 // Albedo of a layer averaged over the GGX lobe of the surface below: (int s (1 - F) D V cos, int s F D V cos), F = (1 - cos_h)^5, over
 // (mu, roughness below, roughness of the layer); and over the hemisphere: (the layer's albedo averaged with the weight loss(mu) cos,
 // its average with grazing(mu) 2 cos), over the two roughnesses.
-SHARED_CONST uint kLayerMu = 32u, kLayerBelow = 24u, kLayerRoughness = 24u;
+SHARED_CONST uint kLayerMu = 64u, kLayerBelow = 32u, kLayerRoughness = 24u;
 SHARED_CONST uint kCoatOverGgxAt = kSheenAverageAt + 2u * kSheenRoughness;
 SHARED_CONST uint kSheenOverGgxAt = kCoatOverGgxAt + kLayerMu * kLayerBelow * kLayerRoughness;
 SHARED_CONST uint kCoatOverLossAt = kSheenOverGgxAt + kLayerMu * kLayerBelow * kLayerRoughness;
@@ -39,10 +40,22 @@ SHARED_CONST uint kSheenOverLossAt = kCoatOverLossAt + kLayerBelow * kLayerRough
 SHARED_CONST uint kCoatOverSheenAt = kSheenOverLossAt + kLayerBelow * kLayerRoughness;
 SHARED_CONST uint kLayersWords = kCoatOverSheenAt + kLayerMu * kLayerRoughness * kLayerRoughness - kSheenAlbedoAt;
 
-SHARED_CONST uint kBsdfTableWords = kGgxWords + kLayersWords;
-
 // The clear coat's reflectance at normal incidence (KHR_materials_clearcoat: index 1.5).
 SHARED_CONST float kCoatF0 = 0.04f;
+
+// ---- bsdf_glass.bin: what rough glass scatters more than once, reflected and refracted light together ----
+// 1 - the albedo (without the square of the index): (with all of Fresnel's reflectance, with none but where it is total). Over
+//   mu          fourth root of the cosine: towards grazing it is as cos^Lambda(the other side)
+//   roughness   square root of the perceptual
+//   index       square root of r / kGlassMaxReflection, r = (n - 1) / (n + 1) of the denser over the rarer side
+//   side        light from the rarer side, light from the denser one
+SHARED_CONST uint kGlassMu = 48u, kGlassRoughness = 48u, kGlassIndices = 32u;
+SHARED_CONST float kGlassMaxReflection = 0.5f;  // n = 3
+SHARED_CONST uint kGlassLossAt = kGgxAt + kGgxWords + kLayersWords;
+SHARED_CONST uint kGlassAverageAt = kGlassLossAt + 2u * kGlassMu * kGlassRoughness * kGlassIndices;  // the same averaged over 2 cos: two floats each
+SHARED_CONST uint kGlassWords = 2u * kGlassMu * kGlassRoughness * kGlassIndices + 4u * kGlassRoughness * kGlassIndices;
+
+SHARED_CONST uint kBsdfTableWords = kGgxWords + kLayersWords + kGlassWords;
 
 SHARED_END
 #endif

@@ -16,8 +16,14 @@ SHARED_CONST uint kFilmPathDirectSpecular = 7u;
 SHARED_CONST uint kFilmPathIndirectDiffuse = 8u;
 SHARED_CONST uint kFilmPathIndirectSpecular = 9u;
 SHARED_CONST uint kFilmPathTransmission = 10u;
-SHARED_CONST uint kFilmGroupCount = 11u;
+SHARED_CONST uint kFilmSquares = 11u;       // of the beauty, below kLargeSquareFrom
+SHARED_CONST uint kFilmLargeSquares = 12u;  // the others, times kLargeSquareScale
+SHARED_CONST uint kFilmGroupCount = 13u;
 SHARED_CONST uint kNoChannel = 0xFFFFFFFFu;
+
+// Squares range twice as far as samples do: two sums, with factors that lose nothing (image/film.h resolves them).
+SHARED_CONST float kLargeSquareFrom = 65536.0f;
+SHARED_CONST float kLargeSquareScale = 2.3283064365386963e-10f;  // 2^-32
 
 SHARED_CONST uint kFilterBox = 0u;
 SHARED_CONST uint kFilterPoint = 1u;

@@ -23,8 +23,8 @@ struct EncodedExr {
     uint64_t clamped = 0;  // values beyond the range of half, written as its largest (65504)
 };
 
-// Single-part scanline EXR with ZIP compression: all channels of the image and its attributes as strings. Throws Error where
-// the image has no channel.
+// Single-part scanline EXR with ZIP compression: all channels of the image, its exact layers as FLOAT or UINT whatever the
+// precision, and its attributes as strings. Throws Error where the image has no channel.
 EncodedExr encode_exr(const ImageF& image, ExrPrecision precision);
 std::vector<std::byte> encode_uint_exr(const UintImage& image);
 // Returns EncodedExr::clamped.

@@ -39,19 +39,32 @@ private:
     size_t position_ = 0;
 };
 
-// Planes of `type`, `size` bytes a value, one after the other at `data`.
-std::vector<std::byte> encode_planes(uint32_t width, uint32_t height, const std::vector<std::string>& channels, const Attributes& attributes,
-                                     Imf::PixelType type, size_t size, const void* data) {
-    PARHELION_CHECK(!channels.empty() && width > 0 && height > 0, "an EXR of {}x{} pixels with {} channels", width, height, channels.size());
+// One channel: values row by row.
+struct Plane {
+    std::string_view channel;
+    Imf::PixelType type;
+    const void* data;
+};
+
+// Planes of `type` one after the other at `data`.
+template <class T>
+std::vector<Plane> make_planes(const std::vector<std::string>& channels, Imf::PixelType type, const std::vector<T>& data) {
+    std::vector<Plane> planes;
+    for (size_t c = 0; c < channels.size(); ++c) planes.push_back({channels[c], type, data.data() + c * (data.size() / channels.size())});
+    return planes;
+}
+
+std::vector<std::byte> encode_planes(uint32_t width, uint32_t height, const Attributes& attributes, const std::vector<Plane>& planes) {
+    PARHELION_CHECK(!planes.empty() && width > 0 && height > 0, "an EXR of {}x{} pixels with {} channels", width, height, planes.size());
     Imf::Header header(static_cast<int>(width), static_cast<int>(height));
     header.compression() = Imf::ZIP_COMPRESSION;
     for (const auto& [key, value] : attributes) header.insert(key, Imf::StringAttribute(value));
     Imf::FrameBuffer frame;
-    const size_t row = size * width, plane = row * height;
-    auto* base = static_cast<char*>(const_cast<void*>(data));  // a frame buffer serves reading and writing
-    for (size_t c = 0; c < channels.size(); ++c) {
-        header.channels().insert(channels[c], Imf::Channel(type));
-        frame.insert(channels[c], Imf::Slice(type, base + c * plane, size, row));
+    for (const Plane& plane : planes) {
+        const size_t size = plane.type == Imf::HALF ? sizeof(half) : sizeof(uint32_t);
+        auto* data = static_cast<char*>(const_cast<void*>(plane.data));  // a frame buffer serves reading and writing
+        header.channels().insert(std::string(plane.channel), Imf::Channel(plane.type));
+        frame.insert(std::string(plane.channel), Imf::Slice(plane.type, data, size, size * width));
     }
     MemoryOutput output;
     try {
@@ -69,8 +82,14 @@ std::vector<std::byte> encode_planes(uint32_t width, uint32_t height, const std:
 EncodedExr encode_exr(const ImageF& image, ExrPrecision precision) {
     PARHELION_CHECK(image.data.size() == image.channels.size() * image.pixel_count(), "an image of {}x{} with {} channels and {} values", image.width,
                     image.height, image.channels.size(), image.data.size());
-    if (precision == ExrPrecision::Float)
-        return {encode_planes(image.width, image.height, image.channels, image.attributes, Imf::FLOAT, sizeof(float), image.data.data())};
+    const auto encode = [&](std::vector<Plane> planes) {
+        for (const ExactLayer& layer : image.exact) {
+            PARHELION_CHECK(layer.words.size() == image.pixel_count(), "a layer of {} values for {} pixels", layer.words.size(), image.pixel_count());
+            planes.push_back({layer.channel, layer.whole ? Imf::UINT : Imf::FLOAT, layer.words.data()});
+        }
+        return encode_planes(image.width, image.height, image.attributes, planes);
+    };
+    if (precision == ExrPrecision::Float) return {encode(make_planes(image.channels, Imf::FLOAT, image.data))};
     EncodedExr out;
     std::vector<half> halves(image.data.size());
     for (size_t i = 0; i < halves.size(); ++i) {
@@ -79,14 +98,14 @@ EncodedExr encode_exr(const ImageF& image, ExrPrecision precision) {
         if (std::isfinite(value) && limited != value) ++out.clamped;
         halves[i] = half(limited);
     }
-    out.bytes = encode_planes(image.width, image.height, image.channels, image.attributes, Imf::HALF, sizeof(half), halves.data());
+    out.bytes = encode(make_planes(image.channels, Imf::HALF, halves));
     return out;
 }
 
 std::vector<std::byte> encode_uint_exr(const UintImage& image) {
     PARHELION_CHECK(image.data.size() == image.channels.size() * image.width * image.height, "an image of {}x{} with {} channels and {} values",
                     image.width, image.height, image.channels.size(), image.data.size());
-    return encode_planes(image.width, image.height, image.channels, image.attributes, Imf::UINT, sizeof(uint32_t), image.data.data());
+    return encode_planes(image.width, image.height, image.attributes, make_planes(image.channels, Imf::UINT, image.data));
 }
 
 uint64_t write_exr(const std::filesystem::path& path, const ImageF& image, ExrPrecision precision) {

@@ -6,15 +6,12 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/log.h"
 #include "base/parallel.h"
 
 namespace parhelion::image {
 
 namespace {
-
-constexpr int kFractionBits = 40;
-
-Fixed96 negate(Fixed96 v) { return fixed_add({~v.low, ~v.mid, ~v.high}, {1, 0, 0}); }
 
 std::string range_text(uint64_t begin, uint64_t end) { return fmt::format("{}-{}", begin, end); }
 
@@ -51,6 +48,8 @@ void check_part(const FilmPart& part, const FilmPart& first) {
         refuse(part, fmt::format("is {}x{} pixels, {} is {}x{}", film.width, film.height, escape_name(first.name), other.width, other.height));
     if (film.channels != other.channels)
         refuse(part, fmt::format("has the channels {}; {} has {}", join(film.channels), escape_name(first.name), join(other.channels)));
+    if (!std::ranges::equal(film.exact, other.exact, [](const ExactLayer& a, const ExactLayer& b) { return a.same_kind(b); }))
+        refuse(part, fmt::format("has other layers than {}", escape_name(first.name)), "give all parts the same --aov");
     check_attributes(part, first);
     if (film.sample_begin >= film.sample_end) refuse(part, fmt::format("its sample range {} is empty", range_text(film.sample_begin, film.sample_end)));
 }
@@ -70,6 +69,18 @@ void check_ranges(std::span<const FilmPart> sorted) {
         throw Error(ErrorCode::Failed, "the samples " + missing + " are missing between the parts", {}, "render them with --spp-range");
 }
 
+// Parts from different devices may see another triangle where a pixel's centre lies on an edge.
+void warn_of_differences(const FilmPart& part, const FilmPart& first) {
+    for (size_t i = 0; i < part.film->exact.size(); ++i) {
+        const std::vector<uint32_t>&mine = part.film->exact[i].words, &theirs = first.film->exact[i].words;
+        size_t count = 0;
+        for (size_t pixel = 0; pixel < mine.size(); ++pixel) count += mine[pixel] != theirs[pixel];
+        if (count != 0)
+            log(LogLevel::Warn, "{}: {} differs from {}'s in {} pixels (another device?); {}'s is kept", escape_name(part.name),
+                escape_name(part.film->exact[i].channel), escape_name(first.name), count, escape_name(first.name));
+    }
+}
+
 }  // namespace
 
 Fixed96 fixed_from_float(float v) {
@@ -77,7 +88,7 @@ Fixed96 fixed_from_float(float v) {
     const uint32_t biased = (bits >> 23) & 0xFFu;
     if (biased == 0) return {};
     const uint64_t mantissa = (bits & 0x7FFFFFu) | 0x800000u;
-    const int shift = static_cast<int>(biased) - 127 - 23 + kFractionBits;  // v = mantissa * 2^(shift - 40)
+    const int shift = static_cast<int>(biased) - 127 - 23 + kFixedFractionBits;  // v = mantissa * 2^(shift - 40)
     Fixed96 out;
     if (shift >= 67) {
         out.high = 1u << 26;  // 2^50 * 2^40 = 2^90
@@ -90,7 +101,7 @@ Fixed96 fixed_from_float(float v) {
         else if (shift < 64) out = {0, words[0], words[1]};
         else out = {0, 0, words[0]};
     }
-    return (bits >> 31) != 0 ? negate(out) : out;
+    return (bits >> 31) != 0 ? fixed_negate(out) : out;
 }
 
 Fixed96 fixed_add(Fixed96 a, Fixed96 b) {
@@ -99,30 +110,7 @@ Fixed96 fixed_add(Fixed96 a, Fixed96 b) {
     return {static_cast<uint32_t>(low), static_cast<uint32_t>(mid), static_cast<uint32_t>(a.high + b.high + (mid >> 32))};
 }
 
-// Long division of the magnitude with 64 more bits of fraction; what is left beyond the 64 leading quotient bits only decides
-// ties, so it becomes a sticky lowest bit, and the conversion of that integer to float is the one rounding.
-float fixed_mean(Fixed96 sum, uint64_t count) {
-    PARHELION_CHECK(count >= 1 && count <= 0xFFFFFFFFu, "a mean of {} samples", count);
-    const bool negative = (sum.high >> 31) != 0;
-    if (negative) sum = negate(sum);
-    const std::array<uint32_t, 5> numerator = {sum.high, sum.mid, sum.low, 0, 0};
-    std::array<uint32_t, 5> quotient{};
-    uint64_t remainder = 0;
-    for (size_t i = 0; i < numerator.size(); ++i) {
-        const uint64_t value = (remainder << 32) | numerator[i];
-        quotient[i] = static_cast<uint32_t>(value / count);
-        remainder = value % count;
-    }
-    size_t first = 0;
-    while (first < 3 && quotient[first] == 0) ++first;
-    const uint64_t leading = (uint64_t{quotient[first]} << 32) | quotient[first + 1];
-    bool sticky = remainder != 0;
-    for (size_t i = first + 2; i < quotient.size(); ++i) sticky = sticky || quotient[i] != 0;
-    // quotient[4] is worth 2^-64 of a unit; quotient[first + 1] is 3 - first words above it.
-    const int exponent = 32 * (3 - static_cast<int>(first)) - 64 - kFractionBits;
-    const float magnitude = std::ldexp(static_cast<float>(leading | (sticky ? 1u : 0u)), exponent);
-    return negative ? -magnitude : magnitude;
-}
+Fixed96 fixed_negate(Fixed96 v) { return fixed_add({~v.low, ~v.mid, ~v.high}, {1, 0, 0}); }
 
 Fixed96 FilmSums::sum(size_t channel, size_t pixel) const {
     const size_t pixels = pixel_count(), low = 3 * channel * pixels + pixel;
@@ -146,24 +134,13 @@ FilmSums make_film(uint32_t width, uint32_t height, std::vector<std::string> cha
     return film;
 }
 
-ImageF resolve_film(const FilmSums& film) {
-    if (film.sample_begin >= film.sample_end) throw Error(ErrorCode::Failed, "the film holds no samples");
-    const uint64_t count = film.sample_end - film.sample_begin;
-    ImageF image = make_image(film.width, film.height, film.channels);
-    image.attributes = film.attributes;
-    const size_t pixels = film.pixel_count();
-    parallel_for(film.channels.size() * pixels, 65536, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) image.data[i] = fixed_mean(film.sum(i / pixels, i % pixels), count);
-    });
-    return image;
-}
-
 FilmSums merge_films(std::span<const FilmPart> parts) {
     if (parts.empty()) throw Error(ErrorCode::Failed, "there are no parts to merge");
     std::vector<FilmPart> sorted(parts.begin(), parts.end());
     for (const FilmPart& part : parts) check_part(part, parts.front());
     std::stable_sort(sorted.begin(), sorted.end(), [](const FilmPart& a, const FilmPart& b) { return a.film->sample_begin < b.film->sample_begin; });
     check_ranges(sorted);
+    for (const FilmPart& part : sorted) warn_of_differences(part, sorted.front());
 
     FilmSums merged = *sorted.front().film;
     merged.sample_end = sorted.back().film->sample_end;

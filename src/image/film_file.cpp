@@ -13,11 +13,15 @@ namespace {
 
 // Reserved attributes. The order of channels is kept apart, for EXR sorts them by name.
 constexpr std::string_view kVersionKey = "parhelion.film", kBeginKey = "parhelion.sample_begin", kEndKey = "parhelion.sample_end",
-                           kChannelsKey = "parhelion.channels";
+                           kChannelsKey = "parhelion.channels", kLayersKey = "parhelion.layers";
 constexpr std::string_view kVersion = "1";
 constexpr uint64_t kMaxFileBytes = uint64_t{16} << 30;
 
 std::string limb_name(std::string_view channel, size_t limb) { return fmt::format("sum.{}.{}", channel, limb); }
+std::string layer_name(std::string_view channel) { return fmt::format("layer.{}", channel); }
+
+// In the list of exact layers: "depth:float,ids.instance:uint".
+constexpr std::string_view kWholeSuffix = ":uint", kFloatSuffix = ":float";
 
 // Removes the reserved attribute and returns it.
 std::string take(Attributes& attributes, std::string_view key, std::string_view where) {
@@ -48,16 +52,32 @@ std::vector<std::string> split_names(std::string_view text) {
     }
 }
 
+std::span<const uint32_t> plane_of(const UintImage& image, const std::string& name, std::string_view where) {
+    const auto found = std::find(image.channels.begin(), image.channels.end(), name);
+    if (found == image.channels.end()) refuse_image(where, fmt::format("is a damaged film: it lacks the channel {}", escape_name(name)));
+    const size_t pixels = size_t{image.width} * image.height;
+    return std::span(image.data).subspan(static_cast<size_t>(found - image.channels.begin()) * pixels, pixels);
+}
+
 void copy_limbs(const UintImage& image, FilmSums& film, std::string_view where) {
     const size_t pixels = film.pixel_count();
     for (size_t c = 0; c < film.channels.size(); ++c)
         for (size_t limb = 0; limb < 3; ++limb) {
-            const std::string name = limb_name(film.channels[c], limb);
-            const auto found = std::find(image.channels.begin(), image.channels.end(), name);
-            if (found == image.channels.end()) refuse_image(where, fmt::format("is a damaged film: it lacks the channel {}", escape_name(name)));
-            const auto source = image.data.begin() + (found - image.channels.begin()) * static_cast<std::ptrdiff_t>(pixels);
-            std::copy_n(source, pixels, film.limbs.begin() + static_cast<std::ptrdiff_t>((3 * c + limb) * pixels));
+            const std::span<const uint32_t> source = plane_of(image, limb_name(film.channels[c], limb), where);
+            std::copy_n(source.begin(), pixels, film.limbs.begin() + static_cast<std::ptrdiff_t>((3 * c + limb) * pixels));
         }
+}
+
+// Removes the list of exact layers, which films without any lack.
+std::vector<ExactLayer> take_layers(Attributes& attributes, std::string_view where) {
+    std::vector<ExactLayer> layers;
+    if (!attributes.contains(std::string(kLayersKey))) return layers;
+    for (const std::string& entry : split_names(take(attributes, kLayersKey, where))) {
+        const bool whole = entry.ends_with(kWholeSuffix);
+        if (!whole && !entry.ends_with(kFloatSuffix)) refuse_image(where, fmt::format("is a damaged film: its layers are '{}'", escape_name(entry)));
+        layers.push_back({.channel = entry.substr(0, entry.rfind(':')), .whole = whole});
+    }
+    return layers;
 }
 
 }  // namespace
@@ -72,6 +92,13 @@ std::vector<std::byte> encode_film_exr(const FilmSums& film) {
         for (size_t limb = 0; limb < 3; ++limb) image.channels.push_back(limb_name(channel, limb));
         names += (names.empty() ? "" : ",") + channel;
     }
+    std::string layers;
+    for (const ExactLayer& layer : film.exact) {
+        PARHELION_CHECK(layer.words.size() == film.pixel_count(), "a layer of {} values for {} pixels", layer.words.size(), film.pixel_count());
+        image.channels.push_back(layer_name(layer.channel));
+        image.data.insert(image.data.end(), layer.words.begin(), layer.words.end());
+        layers += fmt::format("{}{}{}", layers.empty() ? "" : ",", layer.channel, layer.whole ? kWholeSuffix : kFloatSuffix);
+    }
     const auto set = [&](std::string_view key, std::string value) {
         PARHELION_CHECK(image.attributes.emplace(key, std::move(value)).second, "the attribute {} is the film's own", key);
     };
@@ -79,6 +106,7 @@ std::vector<std::byte> encode_film_exr(const FilmSums& film) {
     set(kBeginKey, std::to_string(film.sample_begin));
     set(kEndKey, std::to_string(film.sample_end));
     set(kChannelsKey, names);
+    if (!layers.empty()) set(kLayersKey, layers);
     return encode_uint_exr(image);
 }
 
@@ -101,10 +129,16 @@ FilmSums decode_film_exr(std::span<const std::byte> bytes, const DecodeLimits& l
     film.sample_end = take_number(film.attributes, kEndKey, where);
     if (film.sample_begin >= film.sample_end) refuse_image(where, "is a damaged film: its sample range is empty");
     film.channels = split_names(take(film.attributes, kChannelsKey, where));
-    if (3 * film.channels.size() != image.channels.size())
-        refuse_image(where, fmt::format("is a damaged film: {} channels of sums for {} names", image.channels.size(), film.channels.size()));
-    film.limbs.resize(image.data.size());
+    film.exact = take_layers(film.attributes, where);
+    const size_t limb_planes = 3 * film.channels.size();
+    if (limb_planes + film.exact.size() != image.channels.size())
+        refuse_image(where, fmt::format("is a damaged film: {} channels of sums and layers for {} names", image.channels.size(), film.channels.size() + film.exact.size()));
+    film.limbs.resize(limb_planes * film.pixel_count());
     copy_limbs(image, film, where);
+    for (ExactLayer& layer : film.exact) {
+        const std::span<const uint32_t> words = plane_of(image, layer_name(layer.channel), where);
+        layer.words.assign(words.begin(), words.end());
+    }
     return film;
 }
 

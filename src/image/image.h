@@ -26,6 +26,16 @@ struct Picture8 {
     std::vector<uint8_t> rgb = {};  // 3 * width * height
 };
 
+// A layer that is kept and written as it is, whatever the precision of the colours: 32-bit words, floats or whole numbers.
+struct ExactLayer {
+    std::string channel;      // "depth", "ids.instance"
+    bool whole = false;       // the words are whole numbers, else the bits of floats
+    std::vector<uint32_t> words = {};  // [y * width + x]
+
+    friend bool operator==(const ExactLayer&, const ExactLayer&) = default;
+    bool same_kind(const ExactLayer& other) const { return channel == other.channel && whole == other.whole; }
+};
+
 // Float channels as planes, one after the other; each plane row by row from the top. Names follow EXR: "R", "G", "B" of the
 // beauty, "albedo.R", "depth" and so on of layers.
 struct ImageF {
@@ -33,6 +43,7 @@ struct ImageF {
     std::vector<std::string> channels = {};
     std::vector<float> data = {};  // [channel * pixel_count + y * width + x]
     Attributes attributes = {};
+    std::vector<ExactLayer> exact = {};  // beside `channels`
     bool display_referred = false;  // from an eight-bit sRGB file: 1.0 is the display's white, not a radiance
 
     size_t pixel_count() const { return static_cast<size_t>(width) * height; }

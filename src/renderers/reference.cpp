@@ -16,6 +16,8 @@ void record_reference(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, Vi
                     "samples {} to {} are not inside one block", slice.first_sample, end);
     PARHELION_CHECK(slice.first_row + slice.row_count <= view.film().height, "rows {} + {} are outside the film", slice.first_row, slice.row_count);
     view.prepare(frame);
+    if (const RowRange rows = view.take_first_hit_rows(slice.first_row + slice.row_count); rows.count != 0)
+        passes::first_hit(frame, scene, way, view.film(), rows.first, rows.count);
     passes::path_trace(frame, scene, way, view.film(), slice, trace_options(view.desc()));
     if (ends_range || end % shared::kSamplesPerBlock == 0) passes::add_block(frame, view.film(), slice);
 }

@@ -1,7 +1,9 @@
 #include "renderers/view.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "base/error.h"
 #include "renderers/camera_motion.h"
@@ -21,24 +23,54 @@ std::span<const FilmGroup> film_groups() {
         {"path.indirect_diffuse", shared::kFilmPathIndirectDiffuse, {"R", "G", "B"}},
         {"path.indirect_specular", shared::kFilmPathIndirectSpecular, {"R", "G", "B"}},
         {"path.transmission", shared::kFilmPathTransmission, {"R", "G", "B"}},
+        {"squares", shared::kFilmSquares, {"R", "G", "B"}, "variance"},
+        {"squares_large", shared::kFilmLargeSquares, {"R", "G", "B"}, "variance"},
     };
     return groups;
 }
 
+std::span<const FirstHitPlane> first_hit_planes() {
+    static constexpr std::array<FirstHitPlane, shared::kFirstHitPlaneCount> planes = {{
+        {"depth", "depth", false},
+        {"ids.instance", "ids", true},
+        {"ids.geometry", "ids", true},
+        {"ids.primitive", "ids", true},
+        {"ids.material", "ids", true},
+        {"motion.X", "motion", false},
+        {"motion.Y", "motion", false},
+    }};
+    return planes;
+}
+
+std::vector<std::string_view> aov_names() {
+    std::vector<std::string_view> names;
+    const auto add = [&](std::string_view name) {
+        if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+    };
+    for (const FilmGroup& group : film_groups())
+        if (group.group != shared::kFilmBeauty) add(group.aov);
+    for (const FirstHitPlane& plane : first_hit_planes()) add(plane.aov);
+    return names;
+}
+
 namespace {
 
-// "path.*" asks for every group whose name begins with "path.".
-bool is_asked_for(const FilmGroup& group, const std::string& aov) {
-    if (aov.ends_with('*')) return group.name.starts_with(std::string_view(aov).substr(0, aov.size() - 1));
-    return group.name == aov;
+// "path.*" asks for every AOV whose name begins with "path.".
+bool asks_for(const std::string& asked, std::string_view name) {
+    if (asked.ends_with('*')) return name.starts_with(std::string_view(asked).substr(0, asked.size() - 1));
+    return name == asked;
+}
+bool is_asked_for(std::string_view name, const std::vector<std::string>& aovs) {
+    return std::ranges::any_of(aovs, [&](const std::string& aov) { return asks_for(aov, name); });
 }
 
 void check_aovs(const std::vector<std::string>& aovs) {
+    const std::vector<std::string_view> names = aov_names();
     for (const std::string& aov : aovs) {
-        if (std::ranges::any_of(film_groups(), [&](const FilmGroup& group) { return is_asked_for(group, aov); })) continue;
+        if (std::ranges::any_of(names, [&](std::string_view name) { return asks_for(aov, name); })) continue;
         std::string known;
-        for (const FilmGroup& group : film_groups()) known += (known.empty() ? "" : ", ") + std::string(group.name);
-        throw Error(ErrorCode::Usage, fmt::format("there is no AOV '{}'", escape_name(aov)), "--aov", "choose from " + known + ", path.*");
+        for (const std::string_view name : names) known += std::string(name) + ", ";
+        throw Error(ErrorCode::Usage, fmt::format("there is no AOV '{}'", escape_name(aov)), "--aov", "choose from " + known + "path.*");
     }
 }
 
@@ -67,7 +99,7 @@ View::View(gpu::DevicePtr device, const ViewDesc& desc) : device_(std::move(devi
     place_camera();
     data_.camera_before = data_.camera;
     for (const FilmGroup& group : film_groups()) {
-        const bool wanted = group.group == shared::kFilmBeauty || std::ranges::any_of(desc.aovs, [&](const std::string& aov) { return is_asked_for(group, aov); });
+        const bool wanted = group.group == shared::kFilmBeauty || is_asked_for(group.aov, desc.aovs);
         data_.channel[group.group] = wanted ? data_.channel_count : shared::kNoChannel;
         if (!wanted) continue;
         for (const std::string_view suffix : group.channels) {
@@ -76,6 +108,8 @@ View::View(gpu::DevicePtr device, const ViewDesc& desc) : device_(std::move(devi
             ++data_.channel_count;
         }
     }
+    for (const FirstHitPlane& plane : first_hit_planes())
+        if (is_asked_for(plane.aov, desc.aovs)) first_hit_planes_.push_back(&plane);
     const uint64_t plane = uint64_t(desc.width) * desc.height * sizeof(uint32_t);
     film_ = {.view = gpu::Buffer(device_, "view/data", sizeof(shared::ViewData)),
              .block = gpu::Buffer(device_, "film/block", plane * data_.channel_count),
@@ -84,6 +118,25 @@ View::View(gpu::DevicePtr device, const ViewDesc& desc) : device_(std::move(devi
              .width = desc.width,
              .height = desc.height,
              .channel_count = data_.channel_count};
+    if (!first_hit_planes_.empty()) film_.first_hits = gpu::Buffer(device_, "film/first_hits", shared::kFirstHitPlaneCount * plane);
+}
+
+FilmReadback View::film_layout() const {
+    FilmReadback film{.channels = channels_};
+    for (const FirstHitPlane* plane : first_hit_planes_) film.first_hits.push_back({.plane = plane});
+    return film;
+}
+
+RowRange View::take_first_hit_rows(uint32_t end) {
+    if (first_hit_planes_.empty() || end <= first_hit_rows_) return {};
+    const uint32_t first = std::exchange(first_hit_rows_, end);
+    return {.first = first, .count = end - first};
+}
+
+void View::restore_film(FilmReadback film) {
+    PARHELION_CHECK(film.limbs.size() * sizeof(uint32_t) == film_.sums.bytes() && film.first_hits.size() == first_hit_planes_.size(), "a restored film has another size");
+    restored_ = std::move(film);
+    first_hit_rows_ = desc_.height;
 }
 
 void View::place_camera() {
@@ -112,19 +165,30 @@ void View::prepare(Frame& frame) {
         frame.fill(film_.sums, 0);
         frame.fill(film_.rays, 0);
     }
-    if (!restored_.empty()) {
-        PARHELION_CHECK(restored_.size() * sizeof(uint32_t) == film_.sums.bytes(), "a restored film has another size");
-        frame.upload(film_.sums, 0, std::as_bytes(std::span(restored_)));
-        restored_.clear();
+    if (!restored_.limbs.empty()) {
+        frame.upload(film_.sums, 0, std::as_bytes(std::span(restored_.limbs)));
+        for (const FirstHitLayer& layer : restored_.first_hits)
+            frame.upload(film_.first_hits, first_hit_offset(*layer.plane), std::as_bytes(std::span(layer.words)));
+        restored_ = {};
     }
     upload_ = clear_ = false;
 }
 
+uint64_t View::first_hit_offset(const FirstHitPlane& plane) const {
+    return static_cast<uint64_t>(&plane - first_hit_planes().data()) * desc_.width * desc_.height * sizeof(uint32_t);
+}
+
 FilmReadback View::read_film(Frame& frame) const {
-    const gpu::Buffer copy = frame.read_back(film_.sums);
+    const gpu::Buffer sums = frame.read_back(film_.sums), hits = first_hit_planes_.empty() ? gpu::Buffer() : frame.read_back(film_.first_hits);
     frame.run();
-    const std::span<uint32_t> limbs = copy.mapped_as<uint32_t>();
-    return {channels_, {limbs.begin(), limbs.end()}};
+    FilmReadback film = film_layout();
+    const std::span<uint32_t> limbs = sums.mapped_as<uint32_t>();
+    film.limbs.assign(limbs.begin(), limbs.end());
+    for (FirstHitLayer& layer : film.first_hits) {
+        const auto words = hits.mapped_as<uint32_t>().subspan(first_hit_offset(*layer.plane) / sizeof(uint32_t), size_t{desc_.width} * desc_.height);
+        layer.words.assign(words.begin(), words.end());
+    }
+    return film;
 }
 
 RayCounts View::read_rays(Frame& frame) const {

@@ -53,8 +53,6 @@ struct Feature {
 };
 constexpr Feature kNotDrawn[] = {
     {"dispersion", [](const Material& m) { return m.transmission > 0.0f && m.thickness > 0.0f && m.dispersion > 0.0f; }},
-    {"clearcoat", [](const Material& m) { return m.clearcoat > 0.0f; }},
-    {"sheen", [](const Material& m) { return m.sheen_color != glm::vec3(0.0f); }},
     {"anisotropy", [](const Material& m) { return m.anisotropy > 0.0f; }},
     {"iridescence", [](const Material& m) { return m.iridescence > 0.0f; }},
 };

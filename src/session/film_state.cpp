@@ -1,5 +1,7 @@
 #include "session/film_state.h"
 
+#include <algorithm>
+
 #include "base/error.h"
 #include "base/hash.h"
 #include "session/scene_setup.h"
@@ -37,13 +39,23 @@ std::optional<double> recorded_exposure(const image::Attributes& attributes) {
 }
 
 image::FilmSums make_film_sums(FilmReadback film, Size2 size, IndexRange samples, image::Attributes attributes) {
+    std::vector<image::ExactLayer> exact;
+    for (FirstHitLayer& layer : film.first_hits)
+        exact.push_back({.channel = std::string(layer.plane->channel), .whole = layer.plane->whole, .words = std::move(layer.words)});
     return {.width = size.width,
             .height = size.height,
             .channels = std::move(film.channels),
             .sample_begin = samples.begin,
             .sample_end = samples.end,
             .limbs = std::move(film.limbs),
+            .exact = std::move(exact),
             .attributes = std::move(attributes)};
+}
+
+FilmReadback film_readback(image::FilmSums film, FilmReadback layout) {
+    layout.limbs = std::move(film.limbs);
+    for (size_t i = 0; i < layout.first_hits.size(); ++i) layout.first_hits[i].words = std::move(film.exact.at(i).words);
+    return layout;
 }
 
 image::FilmSums read_checkpoint(const std::filesystem::path& file, const image::FilmSums& expected, IndexRange wanted) {
@@ -52,6 +64,7 @@ image::FilmSums read_checkpoint(const std::filesystem::path& file, const image::
     };
     image::FilmSums film = image::read_film_exr(file);
     const bool same = film.width == expected.width && film.height == expected.height && film.channels == expected.channels &&
+                      std::ranges::equal(film.exact, expected.exact, [](const auto& a, const auto& b) { return a.same_kind(b); }) &&
                       film.attributes == expected.attributes && film.sample_begin == wanted.begin;
     if (!same) refuse("it is the checkpoint of another render", "repeat the command that wrote it, or choose another file");
     if (film.sample_end > wanted.end)

@@ -24,6 +24,9 @@ std::optional<double> recorded_exposure(const image::Attributes& attributes);
 
 image::FilmSums make_film_sums(FilmReadback film, Size2 size, IndexRange samples, image::Attributes attributes);
 
+// The way back, for View::restore_film: `layout` is the view's, whose film this is.
+FilmReadback film_readback(image::FilmSums film, FilmReadback layout);
+
 // The film of a checkpoint, which must be of the same render as `expected` (its sums are not looked at) and hold no more samples.
 // Throws Error naming the file.
 image::FilmSums read_checkpoint(const std::filesystem::path& file, const image::FilmSums& expected, IndexRange wanted);

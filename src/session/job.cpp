@@ -215,10 +215,10 @@ void Job::resume() {
     IndexRange samples = options_.samples;
     std::error_code ignored;
     if (options_.resume && std::filesystem::exists(options_.checkpoint, ignored)) {
-        image::FilmSums film = read_checkpoint(options_.checkpoint, sums_of({view_->channels(), {}}, samples.end), samples);
+        image::FilmSums film = read_checkpoint(options_.checkpoint, sums_of(view_->film_layout(), samples.end), samples);
         log(LogLevel::Info, "resuming after {} samples", film.sample_end - film.sample_begin);
         samples.begin = checkpoint_end_ = film.sample_end;
-        view_->restore_film(std::move(film.limbs));
+        view_->restore_film(film_readback(std::move(film), view_->film_layout()));
         view_->prepare(*frame_);
         frame_->run();
     }

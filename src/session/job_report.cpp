@@ -12,6 +12,11 @@ namespace {
 
 bool traces(const PassTime& pass) { return pass.name.starts_with("reference/path_trace"); }
 
+uint64_t rays_of(const PassTime& pass, const RenderReport& report) {
+    if (pass.name.starts_with("reference/first_hit")) return uint64_t(report.size.width) * report.size.height;
+    return traces(pass) ? report.rays.path + report.rays.shadow : 0;
+}
+
 }  // namespace
 
 double RenderReport::trace_seconds() const {
@@ -33,9 +38,8 @@ double RenderReport::mega_samples_per_second() const {
 
 Json report_json(const RenderReport& report) {
     Json passes = Json::array(), memory = Json::object(), files = Json::array();
-    const uint64_t rays = report.rays.path + report.rays.shadow;
     for (const PassTime& pass : report.passes)
-        passes.push_back({{"name", pass.name}, {"ms", pass.ms}, {"count", pass.count}, {"rays", traces(pass) ? rays : 0}});
+        passes.push_back({{"name", pass.name}, {"ms", pass.ms}, {"count", pass.count}, {"rays", rays_of(pass, report)}});
     for (const gpu::MemoryUse& use : report.memory) memory[use.group] = use.bytes;
     for (const auto& file : report.written) files.push_back(file.string());
     const bool complete = report.finished_end == report.wanted.end;

@@ -111,9 +111,8 @@ const OptionSpec kOptions[] = {
      .help = "numbers in the EXR", .choices = "half|float"},
     {.name = "--aov", .section = "Output", .commands = kRender, .kind = ValueKind::List, .value = "LIST",
      .help = "further layers of the EXR, separated by commas; path.* stands for all of a group",
-     .choices = "albedo|normal|emission|roughness|depth|motion|path.emission|path.direct_diffuse|path.direct_specular|"
-                "path.indirect_diffuse|path.indirect_specular|path.transmission",
-     .absent_choices = "depth|motion"},
+     .choices = "albedo|normal|emission|roughness|depth|ids|motion|variance|path.emission|path.direct_diffuse|path.direct_specular|"
+                "path.indirect_diffuse|path.indirect_specular|path.transmission"},
     {.name = "--checkpoint", .section = "Output", .commands = kRender, .kind = ValueKind::File, .value = "F",
      .help = "save the state of the render here from time to time", .bits = kNotInPreset, .renderers = kPathTracers,
      .instead = kPathTracersOnly},

@@ -2,24 +2,13 @@
 
 #include "base/error.h"
 #include "base/log.h"
-#include "base/parallel.h"
 #include "image/encode.h"
 
 namespace parhelion {
 
 image::ImageF resolve_rows(const image::FilmSums& film, std::span<const uint64_t> samples_of_rows) {
-    PARHELION_CHECK(samples_of_rows.size() == film.height, "{} counts for {} rows", samples_of_rows.size(), film.height);
-    image::ImageF picture = image::make_image(film.width, film.height, film.channels);
-    picture.attributes = film.attributes;
+    image::ImageF picture = image::resolve_film(film, samples_of_rows);
     picture.attributes[kSamplesAttribute] = fmt::format("{}", film.sample_end - film.sample_begin);
-    const size_t pixels = film.pixel_count();
-    constexpr size_t kGrain = 65536;
-    parallel_for(film.channels.size() * pixels, kGrain, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) {
-            const size_t pixel = i % pixels;
-            picture.data[i] = image::fixed_mean(film.sum(i / pixels, pixel), samples_of_rows[pixel / film.width]);
-        }
-    });
     return picture;
 }
 

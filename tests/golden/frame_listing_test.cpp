@@ -9,6 +9,7 @@ namespace parhelion::testing {
 namespace {
 
 const std::string kGolden = PARHELION_SOURCE_DIR "/tests/golden/", kDocument = PARHELION_SOURCE_DIR "/docs/frame.md";
+const std::string kFirstHits = kGolden + "reference.first_hits.txt";
 
 std::string read(const std::string& path) {
     std::ifstream file(path);
@@ -33,6 +34,9 @@ TEST_F(FrameListing, the_reference_records_the_passes_that_are_written_down) {
         Stage stage(make_builtin("builtin:cornell").scene, {.hardware = hardware, .own_bvh = !hardware});
         stage.record({.way = way, .view = {.width = 64, .height = 64}, .sample_count = 64});
         expect_file(golden_name(way), stage.listings_before + stage.frame.listing());
+        if (way != gpu::TraceWay::Compute) continue;
+        stage.record({.way = way, .view = {.width = 64, .height = 64, .aovs = {"depth"}}, .sample_count = 64});
+        expect_file(kFirstHits, stage.frame.listing());
     }
 }
 
@@ -47,6 +51,7 @@ TEST_F(FrameListing, the_document_is_made_from_the_listings) {
         const std::string name(gpu::trace_way_name(way));
         text += "\n## reference, --trace " + name + "\n\n```\n" + read(golden_name(way)) + "```\n";
     }
+    text += "\n## reference, --aov depth (ids, motion)\n\nThe first slice of a view's rows also takes their first hits.\n\n```\n" + read(kFirstHits) + "```\n";
     expect_file(kDocument, text);
 }
 

@@ -1,9 +1,13 @@
 // What else the film keeps: path classes, and the first surface's values.
+#include <array>
+#include <bit>
 #include <cmath>
+#include <set>
 
 #include "scene/builtin/scenes.h"
 #include "scene/shapes.h"
 #include "support/render_fixture.h"
+#include "support/statistics.h"
 
 namespace parhelion::testing {
 namespace {
@@ -13,32 +17,83 @@ protected:
     static std::span<const float> plane(const image::ImageF& picture, const std::string& channel) { return picture.plane(picture.find_channel(channel).value()); }
 };
 
+constexpr std::array<std::string_view, 6> kClasses = {"emission", "direct_diffuse", "direct_specular", "indirect_diffuse", "indirect_specular", "transmission"};
+
+// A built-in scene with all classes of paths that must occur in it; the others must not.
+struct SceneClasses {
+    const char* scene;
+    std::set<std::string_view> classes;
+};
+const SceneClasses kSceneClasses[] = {
+    {"builtin:cornell", {"emission", "direct_diffuse", "indirect_diffuse"}},
+    {"builtin:furnace", {"emission", "direct_diffuse", "direct_specular", "indirect_diffuse", "indirect_specular"}},
+    {"builtin:textured", {"emission", "direct_diffuse", "direct_specular", "indirect_diffuse", "indirect_specular"}},
+    {"builtin:spheres", {"emission", "direct_diffuse", "direct_specular", "indirect_diffuse", "indirect_specular"}},
+    {"builtin:reflections", {"emission", "direct_diffuse", "direct_specular", "indirect_diffuse", "indirect_specular"}},
+};
+
 TEST_F(Aovs, path_classes_sum_to_the_beauty) {
-    for (const char* scene : {"builtin:cornell", "builtin:textured", "builtin:spheres"}) {
-        const image::ImageF picture = builtin_picture(scene, {.view = {.width = 32, .height = 32, .aovs = {"path.*"}}, .sample_count = 8});
+    for (const SceneClasses& expected : kSceneClasses) {
+        const image::ImageF picture = builtin_picture(expected.scene, {.view = {.width = 32, .height = 32, .aovs = {"path.*"}}, .sample_count = 8});
+        std::set<std::string_view> found;
         for (const char* c : {"R", "G", "B"})
             for (size_t p = 0; p < picture.pixel_count(); ++p) {
                 double sum = 0;
-                for (const char* group : {"emission", "direct_diffuse", "direct_specular", "indirect_diffuse", "indirect_specular", "transmission"})
-                    sum += plane(picture, fmt::format("path.{}.{}", group, c))[p];
-                ASSERT_NEAR(plane(picture, c)[p], sum, 1e-5 * sum + 1e-7) << scene << ' ' << p;
+                for (const std::string_view name : kClasses) {
+                    const float value = plane(picture, fmt::format("path.{}.{}", name, c))[p];
+                    if (value != 0.0f) found.insert(name);
+                    sum += value;
+                }
+                ASSERT_NEAR(plane(picture, c)[p], sum, 1e-5 * sum + 1e-7) << expected.scene << ' ' << p;
             }
-        const auto total = [&](const char* channel) {
-            double sum = 0;
-            for (const float v : plane(picture, channel)) sum += v;
-            return sum;
-        };
-        EXPECT_GT(total("path.direct_diffuse.G"), 0.0) << scene;
-        EXPECT_GT(total("path.indirect_diffuse.G"), 0.0) << scene;
-        if (scene != std::string("builtin:cornell")) {
-            EXPECT_GT(total("path.direct_specular.G"), 0.0) << scene;
-        }
-        EXPECT_EQ(total("path.transmission.G"), 0.0) << scene;
+        EXPECT_EQ(found, expected.classes) << expected.scene;
     }
 }
 
+// The estimate of one run is right on average: its mean over pixels and runs against the spread of the runs themselves. Four samples
+// each, so that N for N - 1 would be a quarter too little. A right estimate fails by chance with p < 1e-4 (expect_mean).
+TEST_F(Aovs, variance_is_that_of_independent_runs) {
+    constexpr uint32_t kRuns = 64, kSize = 16, kSamples = 4;
+    Stage& stage = builtin_stage("builtin:textured");
+    std::vector<std::vector<double>> means(size_t{kSize} * kSize);
+    std::vector<double> estimates(means.size());
+    for (uint32_t run = 0; run < kRuns; ++run) {
+        const image::ImageF picture = stage.picture({.view = {.width = kSize, .height = kSize, .seed = run, .max_bounces = 2, .sampler = SamplerKind::Pcg, .aovs = {"variance"}}, .sample_count = kSamples});
+        ASSERT_EQ(picture.exact.at(1).channel, "variance.G");
+        for (size_t p = 0; p < means.size(); ++p) {
+            means[p].push_back(plane(picture, "G")[p]);
+            estimates[p] += std::bit_cast<float>(picture.exact[1].words[p]) / double(kRuns);
+        }
+    }
+    double spread = 0;
+    for (const std::vector<double>& values : means) spread += moments(values).variance / static_cast<double>(means.size());
+    std::vector<double> ratios;
+    for (size_t p = 0; p < means.size(); ++p) ratios.push_back(1 + (estimates[p] - moments(means[p]).variance) / spread);
+    expect_mean(ratios, 1.0, 0.1, "estimated over true variance");
+}
+
+// Pixels that a lamp covers in part: a share of the samples sees all of it, the others nothing, so that the mean alone tells the
+// variance. Two channels are so bright that their squares go to the sum of large ones.
+TEST_F(Aovs, variance_of_a_lamps_edge_follows_from_its_mean) {
+    SceneEdit edit;
+    const glm::vec3 emission(1e3f, 100.0f, 2e9f);
+    Primitive lamp;
+    add_quad(lamp, {-4.0f, 0.0f, 4.0f}, {4.1f, 0.0f, 0.0f}, {0.0f, 0.0f, -8.0f});
+    builtin::add_object(edit, "lamp", std::move(lamp), edit.add(builtin::lambert("lamp", glm::vec3(0.0f), emission)));
+    Stage stage(make_scene(std::move(edit)));
+    constexpr uint32_t kSamples = 96;
+    const image::ImageF picture = stage.picture({.view = {.width = 3, .height = 3, .max_bounces = 0, .aovs = {"variance"}}, .camera = camera_from_above(2.0f, 1.0f), .sample_count = kSamples});
+    for (size_t c = 0; c < 3; ++c)
+        for (size_t p = 0; p < picture.pixel_count(); ++p) {
+            const double share = picture.plane(c)[p] / emission[static_cast<int>(c)], scale = emission[static_cast<int>(c)];
+            ASSERT_TRUE(p % 3 == 1 ? share > 0.2 && share < 0.8 : share == (p % 3 == 0 ? 1.0 : 0.0)) << p;
+            const double expected = share * (1 - share) / (kSamples - 1) * scale * scale;
+            ASSERT_NEAR(std::bit_cast<float>(picture.exact.at(c).words[p]), expected, 1e-5 * expected + 1e-9 * scale * scale) << c << ' ' << p;
+        }
+}
+
 TEST_F(Aovs, asking_for_more_does_not_change_the_beauty) {
-    const Shot plain{.sample_count = 4}, all{.view = {.width = 32, .height = 32, .aovs = {"path.*", "albedo", "normal", "emission", "roughness"}}, .sample_count = 4};
+    const Shot plain{.sample_count = 4}, all{.view = {.width = 32, .height = 32, .aovs = {"path.*", "albedo", "normal", "emission", "roughness", "variance", "depth", "ids", "motion"}}, .sample_count = 4};
     const image::FilmSums &a = builtin_film("builtin:textured", plain), &b = builtin_film("builtin:textured", all);
     EXPECT_EQ(a.limbs, std::vector<uint32_t>(b.limbs.begin(), b.limbs.begin() + static_cast<ptrdiff_t>(a.limbs.size())));
 }

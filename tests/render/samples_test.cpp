@@ -1,4 +1,7 @@
 // Pictures depend on samples alone: not on ranges, slices, barriers or what was drawn before.
+#include <cmath>
+#include <random>
+
 #include "support/render_fixture.h"
 
 namespace parhelion::testing {
@@ -8,7 +11,7 @@ class Samples : public GpuTest {
 protected:
     static constexpr const char* kScene = "builtin:cornell";
     static Shot shot(uint32_t first, uint32_t count, uint32_t rows = 1u << 20, uint32_t samples = 64) {
-        return {.view = {.width = 24, .height = 24, .max_bounces = 3, .aovs = {"normal"}}, .first_sample = first, .sample_count = count, .slice_rows = rows, .slice_samples = samples};
+        return {.view = {.width = 24, .height = 24, .max_bounces = 3, .aovs = {"normal", "variance", "depth", "ids", "motion"}}, .first_sample = first, .sample_count = count, .slice_rows = rows, .slice_samples = samples};
     }
 };
 
@@ -17,6 +20,43 @@ TEST_F(Samples, parts_of_a_range_add_up_to_the_whole_bit_for_bit) {
     EXPECT_NE(a.limbs, b.limbs);
     const image::FilmPart parts[] = {{&b, "second"}, {&a, "first"}};
     EXPECT_EQ(image::merge_films(parts).limbs, whole.limbs);
+    EXPECT_EQ(image::resolve_film(image::merge_films(parts)).exact, image::resolve_film(whole).exact);
+}
+
+// 16,384 blocks of 64 on the device, against integers. The second half is brighter by a hundredth, which a running mean in float no
+// longer sees: a millionth of it is less than half a unit in the last place.
+TEST_F(Samples, more_than_a_million_samples_add_up_exactly) {
+    constexpr uint32_t kWidth = 8, kHeight = 2, kPixels = kWidth * kHeight, kBlocks = 16384, kBatch = 512;
+    std::mt19937 random(11);
+    std::vector<float> samples(size_t{kBlocks} * kPixels), blocks;  // all 64 samples of a block are alike
+    for (size_t i = 0; i < samples.size(); ++i) samples[i] = (i < samples.size() / 2 ? 100.0f : 101.0f) + static_cast<float>(random() % 1024) / 4096.0f;
+    for (const float sample : samples) blocks.push_back(64.0f * sample);
+    const uint64_t plane = kPixels * sizeof(float);
+    const gpu::Buffer bank(device(), "test/bank", kBatch * plane);
+    const passes::Film film{.block = gpu::Buffer(device(), "test/block", plane), .sums = gpu::Buffer(device(), "test/sums", 3 * plane), .width = kWidth, .height = kHeight, .channel_count = 1};
+    Frame frame(device());
+    frame.fill(film.sums, 0);
+    for (size_t first = 0; first < kBlocks; first += kBatch) {
+        frame.upload(bank, 0, std::as_bytes(std::span(blocks).subspan(first * kPixels, kBatch * kPixels)));
+        for (uint32_t i = 0; i < kBatch; ++i) {
+            frame.copy(bank, i * plane, film.block, 0, plane);
+            passes::add_block(frame, film, {.first_row = 0, .row_count = kHeight});
+        }
+        frame.run();
+    }
+    const std::vector<uint32_t> limbs = download<uint32_t>(film.sums);
+    for (size_t p = 0; p < kPixels; ++p) {
+        uint64_t expected = 0;  // in units of 2^-6, which all sums are multiples of
+        float running = 0.0f;
+        for (size_t b = 0; b < kBlocks; ++b) {
+            expected += static_cast<uint64_t>(blocks[b * kPixels + p] * 64.0f);
+            for (size_t s = 64 * b; s < 64 * (b + 1); ++s) running += (samples[b * kPixels + p] - running) / static_cast<float>(s + 1);
+        }
+        const image::Fixed96 found{limbs[p], limbs[kPixels + p], limbs[2 * kPixels + p]};
+        const image::Fixed96 exact{static_cast<uint32_t>((expected << 34)), static_cast<uint32_t>(expected << 2), static_cast<uint32_t>(expected >> 30)};
+        ASSERT_EQ(found, exact) << p;
+        EXPECT_GT(std::abs(image::fixed_mean(found, 64 * kBlocks) - running), 0.1f) << p;
+    }
 }
 
 TEST_F(Samples, rows_in_slices_draw_the_same_picture) {

@@ -249,6 +249,7 @@ ZTest z_test(std::span<const float> a, std::span<const float> variance_a, std::s
         const double error = std::max({std::sqrt(va + vb), rounding, kTiny}), z = difference / error;
         const double df = std::isinf(degrees_of_freedom) ? degrees_of_freedom : welch(va, degrees_of_freedom, vb, degrees_of_freedom);
         const double p = std::isfinite(z) ? two_sided_p(z, df) : 0;
+        out.below += p < out.threshold;
         if (p < out.worst_p || i == 0) out.worst_p = p, out.worst_index = i, worst_z = z;
     }
     out.passed = out.worst_p >= out.threshold;

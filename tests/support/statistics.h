@@ -85,6 +85,7 @@ struct ZTest {
     double worst_p = 1;     // of all pixels
     double threshold = 0;   // what it must not fall below
     size_t worst_index = 0;
+    size_t below = 0;       // values whose p is below the threshold
     std::string text = {};
 };
 // Pixel by pixel: do two images with these variances (of the pixel values as given, so of means) have one expectation? alpha is the

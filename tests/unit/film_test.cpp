@@ -2,6 +2,7 @@
 #include "image/film.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -11,6 +12,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "image/encode.h"
+#include "shared/view.h"
 
 namespace parhelion::image {
 namespace {
@@ -43,8 +45,13 @@ std::string error_of(const Action& action) {
 
 // What one renderer run over [begin, end) leaves: per-sample values are a hash of (sample, channel, pixel), blocks of 64.
 FilmSums render(uint64_t begin, uint64_t end) {
-    FilmSums film = make_film(5, 3, {"R", "G", "B", "albedo.R", "depth"}, begin, end);
+    FilmSums film = make_film(5, 3, {"R", "G", "B", "albedo.R", "roughness"}, begin, end);
     film.attributes = {{"settings_hash", "0123"}, {"exposure_ev100", "3.5"}};
+    film.exact = {{"depth", false, {}}, {"ids.instance", true, {}}};
+    for (size_t p = 0; p < film.pixel_count(); ++p) {
+        film.exact[0].words.push_back(std::bit_cast<uint32_t>(p == 3 ? std::numeric_limits<float>::infinity() : 0.1f * static_cast<float>(p)));
+        film.exact[1].words.push_back(0xFFFFFFFFu - static_cast<uint32_t>(p));
+    }
     for (size_t c = 0; c < film.channels.size(); ++c)
         for (size_t p = 0; p < film.pixel_count(); ++p)
             for (uint64_t block = begin; block < end; block += 64) {
@@ -60,7 +67,7 @@ FilmSums render(uint64_t begin, uint64_t end) {
 
 bool same(const FilmSums& a, const FilmSums& b) {
     return a.width == b.width && a.height == b.height && a.channels == b.channels && a.sample_begin == b.sample_begin && a.sample_end == b.sample_end &&
-           a.limbs == b.limbs && a.attributes == b.attributes;
+           a.limbs == b.limbs && a.exact == b.exact && a.attributes == b.attributes;
 }
 
 FilmSums merge(std::initializer_list<FilmSums> films) {
@@ -183,6 +190,50 @@ TEST(Film, resolving_gives_the_mean_of_the_samples) {
     EXPECT_THROW(resolve_film(film), Error);
 }
 
+TEST(Film, exact_layers_are_those_of_the_first_samples) {
+    FilmSums first = render(0, 64), second = render(64, 128);
+    EXPECT_EQ(resolve_film(first).exact, first.exact);
+    second.exact[1].words[2] = 7;  // another device saw another triangle
+    const FilmPart parts[] = {{&second, "second"}, {&first, "first"}};
+    EXPECT_EQ(merge_films(parts).exact, first.exact);
+    second.exact.pop_back();
+    EXPECT_NE(error_of([&] { merge_films(parts); }).find("other layers"), std::string::npos);
+}
+
+// (1 + 2 + 3 + 6)^2 = 144, 1 + 4 + 9 + 36 = 50: the variance of four samples is (50 - 144 / 4) / 3, their mean's a quarter of it.
+TEST(Film, sums_of_squares_become_the_variance_of_the_mean) {
+    FilmSums film = make_film(2, 2, {"R", "squares.R", "squares_large.R"}, 0, 4);
+    const auto add = [&](size_t pixel, std::initializer_list<double> samples) {
+        for (const double v : samples) {
+            film.add_block(0, pixel, static_cast<float>(v));
+            if (v * v < shared::kLargeSquareFrom) film.add_block(1, pixel, static_cast<float>(v * v));
+            else film.add_block(2, pixel, static_cast<float>(v * v * shared::kLargeSquareScale));
+        }
+    };
+    add(0, {1, 2, 3, 6});
+    add(1, {100, 200, 300, 1e9});  // the sun among them
+    add(2, {0x1p-20, 0x1p-20, 0x1p-20, 0});
+    add(3, {1, 1, 1, 0x1p42});
+    static_assert(kLargeSquareScale == shared::kLargeSquareScale);
+    const ImageF picture = resolve_film(film);
+    EXPECT_EQ(picture.channels, (std::vector<std::string>{"R"}));
+    ASSERT_EQ(picture.exact.size(), 1u);
+    EXPECT_EQ(picture.exact[0].channel, "variance.R");
+    const auto variance = [&](size_t pixel) { return std::bit_cast<float>(picture.exact[0].words[pixel]); };
+    EXPECT_FLOAT_EQ(variance(0), 14.0f / 12);
+    EXPECT_NEAR(variance(1) / ((1e18 + 140000 - (1e9 + 600) * (1e9 + 600) / 4) / 12), 1.0, 1e-6);
+    EXPECT_FLOAT_EQ(variance(2), 0x1p-40f * (3 - 9.0f / 4) / 12);
+    EXPECT_EQ(variance(3), std::numeric_limits<float>::infinity()) << "beyond what the sums hold, said loudly";
+    film.sample_end = 1;
+    EXPECT_EQ(std::bit_cast<float>(resolve_film(film).exact[0].words[0]), std::numeric_limits<float>::infinity()) << "one sample says nothing of the variance";
+    film.channels[2] = "other";
+    EXPECT_THROW(resolve_film(film), Error);
+}
+
+TEST(Film, rounding_does_not_make_a_variance_negative) {
+    EXPECT_EQ(variance_of_mean(fixed_from_float(3.0f), fixed_from_float(2.9999f), {}, 3), 0.0f);
+}
+
 TEST(Film, a_film_survives_its_file_with_its_channel_order) {
     const FilmSums film = render(64, 256);
     const std::vector<std::byte> bytes = encode_film_exr(film);
@@ -207,6 +258,12 @@ TEST(Film, reading_refuses_files_that_are_no_film) {
         bad.channels[2] = "sum.R.2";
         bad.attributes["parhelion.sample_end"] = end;
         EXPECT_NE(error_of([&] { decode_film_exr(encode_uint_exr(bad)); }).find("damaged film"), std::string::npos) << end;
+    }
+    for (const char* layers : {"depth", "depth:half", "depth:float", ""}) {
+        UintImage bad = odd;
+        bad.channels[2] = "sum.R.2";
+        bad.attributes["parhelion.layers"] = layers;
+        EXPECT_NE(error_of([&] { decode_film_exr(encode_uint_exr(bad)); }).find("damaged film"), std::string::npos) << layers;
     }
     odd.attributes["parhelion.film"] = "2";
     EXPECT_NE(error_of([&] { decode_film_exr(encode_uint_exr(odd)); }).find("version 2"), std::string::npos);

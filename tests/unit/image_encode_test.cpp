@@ -1,6 +1,7 @@
 // Images to files and back.
 #include "image/encode.h"
 
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -38,6 +39,18 @@ std::vector<float> plane_of(const ImageF& image, std::string_view name) {
 }
 
 }  // namespace
+
+// Half would round a depth and no float holds every number of a triangle.
+TEST(Exr, exact_layers_keep_every_bit_in_a_half_exr) {
+    ImageF image{.width = 2, .height = 1};
+    const uint32_t far = std::bit_cast<uint32_t>(std::numeric_limits<float>::infinity());
+    image.exact = {{"depth", false, {std::bit_cast<uint32_t>(1234.5678f), far}}, {"motion.X", false, {std::bit_cast<uint32_t>(-1e-7f), 0}}};
+    EXPECT_EQ(decode_exr(encode_exr(image, ExrPrecision::Half).bytes).data, (std::vector<float>{1234.5678f, std::numeric_limits<float>::infinity(), -1e-7f, 0.0f}));
+    image.exact = {{"ids.instance", true, {0xFFFFFFFFu, 16777217u}}};
+    EXPECT_EQ(decode_uint_exr(encode_exr(image, ExrPrecision::Half).bytes).data, image.exact[0].words);
+    image.exact[0].words.pop_back();
+    EXPECT_THROW(encode_exr(image, ExrPrecision::Half), Error);
+}
 
 TEST(Exr, a_float_image_survives_bit_for_bit) {
     const ImageF image = sample_image(), read = decode_exr(encode_exr(image, ExrPrecision::Float).bytes);

@@ -60,7 +60,8 @@ struct Ggx {
 
 // ---- sheen: Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF" ----
 
-double sheen_alpha(double roughness) { return square(std::max<double>(roughness, kMinSheenRoughness)); }
+// place: on the sheen's axis.
+double sheen_alpha(double place) { return square(std::lerp(double(kMinSheenRoughness), 1.0, place)); }
 
 double sheen_lambda(double cosine, double alpha) {
     const double blend = square(1 - alpha);
@@ -92,8 +93,8 @@ void sheen_lobe(double cos_o, double alpha, Visit visit) {
 struct Sheen {
     Curve albedo, cap;
 };
-Sheen make_sheen(double roughness, uint32_t points) {
-    const double alpha = sheen_alpha(roughness);
+Sheen make_sheen(double place, uint32_t points) {
+    const double alpha = sheen_alpha(place);
     const auto cos_at = [&](uint32_t m) { return std::max(mu_at(m, points), 1e-7); };
     Sheen out;
     for (uint32_t m = 0; m < points; ++m) {

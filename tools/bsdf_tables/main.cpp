@@ -19,6 +19,7 @@ struct Section {
 constexpr Section kSections[] = {
     {"ggx", tables::make_ggx, parhelion::shared::kGgxWords},
     {"layers", tables::make_layers, parhelion::shared::kLayersWords},
+    {"glass", tables::make_glass, parhelion::shared::kGlassWords},
 };
 
 bool write(const Section& section) {

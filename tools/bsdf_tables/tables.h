@@ -20,6 +20,7 @@ Words read_section(const char* name);  // a section that is written already
 // The sections.
 Words make_ggx();
 Words make_layers();  // reads what make_ggx() wrote
+Words make_glass();
 
 inline double square(double x) { return x * x; }
 inline double schlick(double cosine) { return square(square(1 - cosine)) * (1 - cosine); }

@@ -13,6 +13,7 @@ struct Film {
     gpu::Buffer block;  // float[channel_count][height][width]
     gpu::Buffer sums;   // uint[channel_count][3][height][width]
     gpu::Buffer rays;   // uint[2][2]: path and shadow rays traced so far, low and high word
+    gpu::Buffer first_hits;  // uint[kFirstHitPlaneCount][height][width]; null where none of them is kept
     uint32_t width = 0, height = 0, channel_count = 0;
 };
 
@@ -34,6 +35,9 @@ void path_trace_dumping(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, 
 
 // Traces dumped rays in the order in which they were traced and does nothing else: the floor under path_trace's time.
 void replay_rays(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const gpu::Buffer& dump, const gpu::Buffer& hits, uint32_t width, uint32_t height);
+
+// What is under the centres of the pixels of some rows; needs film.first_hits.
+void first_hit(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const Film& film, uint32_t first_row, uint32_t row_count);
 
 // Ends the running block for the rows of the slice.
 void add_block(Frame& frame, const Film& film, const shared::Slice& slice);

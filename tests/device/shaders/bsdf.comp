@@ -1,7 +1,7 @@
 #version 460
 // variants: LAYERS
-// Test shader: the BSDF's triple. kind 0 samples from given numbers; 1 evaluates given directions; 2 adds up the weights of many
-// samples, the furnace; 3 reads the albedo tables (given: cosine, roughness).
+// Test shader: the BSDF's triple. kind 0 samples from given numbers; 1 evaluates given directions; 2 finds albedos, the
+// furnace; 3 reads the albedo tables (given: cosine, roughness).
 // Reads: surfaces, inputs, tables. Writes: results.
 #extension GL_GOOGLE_include_directive : require
 #include "lib/bsdf.glsl"
@@ -14,7 +14,7 @@ struct BsdfSurface {
 };
 struct BsdfInput {
     uint surface;
-    vec3 wo, given;  // kind 0: number of the lobe and two more; 1: wi; 2: x: count of samples
+    vec3 wo, given;  // kind 0: number of the lobe and two more; 1: wi; 2: x: samples in each set
 };
 struct BsdfResult {
     vec3 wi, weight;     // sampled (kind 0)
@@ -23,7 +23,7 @@ struct BsdfResult {
     vec3 value;          // eval of wi, all lobes
     float pdf_again;     // pdf of wi
     vec3 value_swapped;  // eval with wi and wo exchanged
-    vec3 diffuse, specular, transmission;  // the value's parts; kind 2: sums of weights
+    vec3 diffuse, specular, transmission;  // the value's parts; kind 2: of the albedo
 };
 layout(local_size_x = 64) in;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Surfaces { BsdfSurface v[]; };
@@ -55,10 +55,46 @@ Bsdf bsdf_of(BsdfSurface s) {
     return make_bsdf(p, s.coat_normal, s.compensate != 0u, uint64_t(push.tables));
 }
 
-// Point n of a sequence with low discrepancy in three dimensions (powers of the inverse of the root of x^4 = x + 1).
+// Point n of a sequence with low discrepancy: in two dimensions (powers of the inverse of the root of x^3 = x + 1), and one by itself.
 vec3 point(uint n) {
-    const uvec3 steps = uvec3(3518319153u, 2882110345u, 2360945575u);
+    const uvec3 steps = uvec3(3242174889u, 2447445414u, 2654435769u);
     return vec3((n * steps + 0x80000000u) >> 8u) * 5.9604645e-8;
+}
+
+// Density of directions that are uniform in sqrt(cosine) and azimuth: many at grazing angles, where the BSDF's own are few.
+float pdf_grazing(vec3 wi) { return wi.z > 0.0 ? 1.0 / (4.0 * kPi * sqrt(wi.z)) : 0.0; }
+
+// The albedo seen from wo by the balance heuristic from two sets of directions, both of low discrepancy: the BSDF's own samples, as
+// many of each lobe, each lobe by its share; and that of pdf_grazing().
+void add_furnace(inout BsdfResult r, Bsdf bsdf, vec3 wo, uint count) {
+    const LobeShares s = lobe_shares(bsdf, wo, bsdf_place(bsdf, wo));
+    const float shares[5] = float[](s.ggx, s.wide, s.coat, s.sheen, s.glass);
+    float first = 0.0;
+    BsdfValue albedo = kNoBsdfValue;
+    for (uint lobe = 0u; lobe < 6u; ++lobe) {
+        const float share = lobe < 5u ? shares[lobe] : 1.0;
+        BsdfValue sum = kNoBsdfValue;
+        for (uint n = 0u; share > 0.0 && n < count; ++n) {
+            const vec3 u = point(n);
+            BsdfSample drawn;
+            if (lobe < 5u) {
+                drawn = sample_bsdf(bsdf, wo, first + share * (0.001 + 0.998 * u.z), u.xy);
+                if (drawn.lobe == kLobeNone) continue;
+                if (drawn.pdf > 0.0) drawn.weight = scale(drawn.weight, vec3(drawn.pdf / (drawn.pdf + pdf_grazing(drawn.wi))));
+            } else {
+                const float z = max(u.x * u.x, 1e-12), across = sqrt(1.0 - z * z), phi = 2.0 * kPi * u.y;
+                drawn.wi = vec3(across * cos(phi), across * sin(phi), z);
+                drawn.weight = scale(eval_bsdf(bsdf, wo, drawn.wi), vec3(1.0 / (pdf_bsdf_solid_angle(bsdf, wo, drawn.wi) + pdf_grazing(drawn.wi))));
+            }
+            sum = BsdfValue(sum.diffuse + drawn.weight.diffuse, sum.specular + drawn.weight.specular, sum.transmission + drawn.weight.transmission);
+        }
+        sum = scale(sum, vec3(share / float(count)));
+        albedo = BsdfValue(albedo.diffuse + sum.diffuse, albedo.specular + sum.specular, albedo.transmission + sum.transmission);
+        first += share;
+    }
+    r.diffuse = albedo.diffuse;
+    r.specular = albedo.specular;
+    r.transmission = albedo.transmission;
 }
 
 void main() {
@@ -79,16 +115,7 @@ void main() {
     }
     const Bsdf bsdf = bsdf_of(push.surfaces.v[given.surface]);
     if (push.kind == 2u) {
-        r.diffuse = r.specular = r.transmission = vec3(0.0);
-        const uint count = uint(given.given.x);
-        for (uint n = 0u; n < count; ++n) {
-            const vec3 u = point(n);
-            const BsdfSample s = sample_bsdf(bsdf, given.wo, u.x, u.yz);
-            if (s.lobe == kLobeNone) continue;
-            r.diffuse += s.weight.diffuse;
-            r.specular += s.weight.specular;
-            r.transmission += s.weight.transmission;
-        }
+        add_furnace(r, bsdf, given.wo, uint(given.given.x));
         push.results.v[index] = r;
         return;
     }

@@ -19,6 +19,7 @@ layout(set = 1, binding = 0, scalar) buffer AllStructs {
     Environment environment[2];
     Hit hit[2];
     Camera camera[2];
+    CameraMotion camera_motion[2];
     ViewData view_data[2];
     Slice slice[2];
     DumpedRay dumped_ray[2];
@@ -41,6 +42,7 @@ void main() {
         all_structs.affine[i] = value.affine[i];
         all_structs.instance[i] = value.instance[i];
         all_structs.vertex_attributes[i] = value.vertex_attributes[i];
+        all_structs.texture_entry[i] = value.texture_entry[i];
         all_structs.texture_ref[i] = value.texture_ref[i];
         all_structs.material[i] = value.material[i];
         all_structs.emitter[i] = value.emitter[i];
@@ -48,6 +50,7 @@ void main() {
         all_structs.environment[i] = value.environment[i];
         all_structs.hit[i] = value.hit[i];
         all_structs.camera[i] = value.camera[i];
+        all_structs.camera_motion[i] = value.camera_motion[i];
         all_structs.view_data[i] = value.view_data[i];
         all_structs.slice[i] = value.slice[i];
         all_structs.dumped_ray[i] = value.dumped_ray[i];
