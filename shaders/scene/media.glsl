@@ -66,8 +66,9 @@ MediumBoundary cross_boundary(MediumStack stack, uint material, bool entering) {
     MediumBoundary boundary;
     boundary.beyond = entering ? enter_medium(stack, material) : leave_medium(stack, material);
     const uint before = medium_there(stack), behind = medium_there(boundary.beyond);
-    // A path that leaves what it never entered was inside all the time.
-    const bool unknown = !entering && boundary.beyond.materials == stack.materials;
+    // A path that leaves what it never entered was inside all the time; but where the stack is full, that is a volume which found
+    // no room in it, and whose other side did not count either.
+    const bool unknown = !entering && boundary.beyond.materials == stack.materials && stack.materials[3] == kNone;
     boundary.real = unknown || before != behind;
     boundary.eta = medium_ior(behind) / medium_ior(unknown ? material : before);
     return boundary;

@@ -2,7 +2,7 @@
 // The settings visitor. A group of settings is a plain struct with defaults and one function
 //     template <class V> void visit(V&& v, Group& g) {
 //         v.field("sampler.kind", g.kind, choices({"owen", "cranley", "pcg", "white"}), "how sample points are made");
-//         v.field("light.infinite_share", g.infinite_share, range(0.0, 1.0), "...");
+//         v.field("light.infinite_share", g.infinite_share, range(0.01, 0.99), "...");
 //     }
 // From that one list come `--set group.field=value`, presets, `settings` help, the effective-settings dump, the settings hash
 // and the viewer's panels. Fields are bool, int32_t, uint32_t, float, or an enum (listed by choices in order of its values).

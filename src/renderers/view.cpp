@@ -110,7 +110,11 @@ View::View(gpu::DevicePtr device, const ViewDesc& desc) : device_(std::move(devi
     }
     for (const FirstHitPlane& plane : first_hit_planes())
         if (is_asked_for(plane.aov, desc.aovs)) first_hit_planes_.push_back(&plane);
-    const uint64_t plane = uint64_t(desc.width) * desc.height * sizeof(uint32_t);
+    const uint64_t pixels = uint64_t(desc.width) * desc.height, plane = pixels * sizeof(uint32_t);
+    const uint64_t planes = std::max(3 * data_.channel_count, shared::kFirstHitPlaneCount);
+    if (pixels * planes > UINT32_MAX)  // shaders count the film's words with 32 bits
+        throw Error(ErrorCode::Usage, fmt::format("a picture of {}x{} pixels with {} channels is more than a film holds", desc.width, desc.height, data_.channel_count), "--size",
+                    fmt::format("with these layers up to {} pixels", UINT32_MAX / planes));
     film_ = {.view = gpu::Buffer(device_, "view/data", sizeof(shared::ViewData)),
              .block = gpu::Buffer(device_, "film/block", plane * data_.channel_count),
              .sums = gpu::Buffer(device_, "film/sums", 3 * plane * data_.channel_count),

@@ -81,7 +81,7 @@ struct RayCounts {
 
 class View {
 public:
-    // Throws a usage Error for an AOV that does not exist (lists those that do).
+    // Throws a usage Error for an AOV that does not exist (lists those that do), and for more pixels and channels than a film holds.
     View(gpu::DevicePtr device, const ViewDesc& desc);
 
     const ViewDesc& desc() const { return desc_; }

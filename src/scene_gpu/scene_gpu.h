@@ -13,7 +13,7 @@ namespace parhelion {
 
 struct SceneGpuOptions {
     bool culling = true;           // single-sided surfaces are invisible from behind; false shows them
-    float infinite_share = 0.5f;   // share of light samples for environment and directional lights where others exist too
+    float infinite_share = 0.5f;   // share of light samples for environment and directional lights where others exist too; in (0, 1), or one of them is lost
     bool hardware = true;          // build the driver's acceleration structures (pipeline, query), where the device has them
     bool own_bvh = true;           // build our own (compute)
     bool compact = true;           // give back what the driver's bottom levels do not need

@@ -34,7 +34,7 @@ void visit(V&& v, RenderSettings& s) {
     v.field("reference.shade_in", s.shade_in, choices({"raygen", "closest_hit"}),
             "which shaders of the ray tracing pipeline shade; closest_hit needs --trace pipeline and texture.lod=full");
     v.field("scene.culling", s.culling, choices({"none", "gltf"}), "gltf: single-sided surfaces are invisible from behind");
-    v.field("light.infinite_share", s.infinite_share, range(0, 1),
+    v.field("light.infinite_share", s.infinite_share, range(0.01, 0.99),
             "share of light samples for sky and directional lights where other lights exist too");
     v.field("texture.lod", s.texture_lod, choices({"full", "cone"}),
             "how finely textures are read: full resolution, or as finely as a pixel sees them (ray cones)");

@@ -30,6 +30,7 @@ const SceneClasses kSceneClasses[] = {
     {"builtin:textured", {"emission", "direct_diffuse", "direct_specular", "indirect_diffuse", "indirect_specular"}},
     {"builtin:spheres", {"emission", "direct_diffuse", "direct_specular", "indirect_diffuse", "indirect_specular"}},
     {"builtin:reflections", {"direct_diffuse", "direct_specular", "indirect_diffuse", "indirect_specular"}},
+    {"builtin:glass", {"direct_diffuse", "direct_specular", "indirect_diffuse", "indirect_specular", "transmission"}},
 };
 
 TEST_F(Aovs, path_classes_sum_to_the_beauty) {
@@ -47,6 +48,16 @@ TEST_F(Aovs, path_classes_sum_to_the_beauty) {
                 ASSERT_NEAR(plane(picture, c)[p], sum, 1e-5 * sum + 1e-7) << expected.scene << ' ' << p;
             }
         EXPECT_EQ(found, expected.classes) << expected.scene;
+    }
+}
+
+TEST_F(Aovs, more_than_a_film_holds_is_refused_before_memory_is_asked_for) {
+    try {
+        View view(device(), {.width = 32768, .height = 32768, .aovs = {"path.*"}});
+        ADD_FAILURE() << "there is a film";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code, ErrorCode::Usage);
+        EXPECT_NE(error.line.find("32768x32768 pixels with 21 channels is more than a film holds"), std::string::npos) << error.line;
     }
 }
 

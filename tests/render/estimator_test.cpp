@@ -1,4 +1,6 @@
 // Ways to estimate the same light have the same mean: light sampling, BSDF sampling, both by MIS; with and without roulette.
+#include <algorithm>
+
 #include "scene/builtin/scenes.h"
 #include "scene/shapes.h"
 #include "support/render_fixture.h"
@@ -58,6 +60,24 @@ TEST_F(Estimators, light_sampling_alone_has_the_mean_of_mis) { expect_same(runs(
 TEST_F(Estimators, bsdf_sampling_alone_has_the_mean_of_mis) { expect_same(runs(2, 2, 3000, kRuns), 0.02); }
 TEST_F(Estimators, no_roulette_has_the_mean_of_roulette) { expect_same(runs(0, 1u << 20, 4000, kRuns), 0.01); }
 TEST_F(Estimators, roulette_from_the_first_bounce_has_the_same_mean) { expect_same(runs(0, 1, 5000, kRuns), 0.02); }
+
+// What the camera sees and light samples at the first surface are spared; each of the four later light samples adds at most the limit.
+TEST_F(Estimators, a_firefly_clamp_limits_what_comes_after_the_first_scattering) {
+    const auto picture = [](float clamp, uint32_t bounces) {
+        return room().picture({.view = {.width = kSize, .height = kSize, .max_bounces = bounces, .light_sampling = 1, .firefly_clamp = clamp}, .sample_count = 16});
+    };
+    constexpr float kClamp = 1e-3f;
+    const image::ImageF direct = picture(0.0f, 1), all = picture(0.0f, 5), clamped = picture(kClamp, 5);
+    EXPECT_EQ(picture(1e30f, 5).data, all.data);
+    double most = 0;
+    for (size_t p = 0; p < direct.pixel_count(); ++p) {
+        const double spared = direct.plane(1)[p], added = clamped.plane(1)[p] - spared;
+        ASSERT_GE(added, -1e-5 * spared) << p;
+        ASSERT_LE(added, 4 * double(kClamp) / 0.7152 + 1e-5 * spared) << p;  // green's share of luminance
+        most = std::max(most, double(all.plane(1)[p]) - spared);
+    }
+    EXPECT_GT(most, 0.1);  // there was something to clamp
+}
 
 }  // namespace
 }  // namespace parhelion::testing

@@ -118,6 +118,15 @@ TEST_F(Glass, a_volume_inside_one_of_higher_priority_is_not_there) {
     expect_from_above(std::move(edit), glm::dvec3(boundary(1, 1.5).over(boundary(1.5, 1)).pass), 0.005);
 }
 
+// Five volumes inside one of higher priority are two more than find room beside it: none of them is there, whichever were noticed.
+TEST_F(Glass, volumes_that_find_no_room_are_passed_on_both_sides) {
+    SceneEdit edit;
+    add_slab(edit, glass(1.5f, 1), 0.0f, 1.0f);
+    for (int i = 1; i <= 5; ++i) add_slab(edit, glass(2.2f), 0.08f * float(i), 1.0f - 0.08f * float(i));
+    add_floor(edit, glow(glm::vec3(1.0f)));
+    expect_from_above(std::move(edit), glm::dvec3(boundary(1, 1.5).over(boundary(1.5, 1)).pass), 0.005);
+}
+
 // Of equal priority the volume that was entered last is there: a bubble of another glass.
 TEST_F(Glass, a_volume_inside_one_of_equal_priority_is_there) {
     SceneEdit edit;

@@ -1,4 +1,6 @@
 // Pictures depend on samples alone: not on ranges, slices, barriers or what was drawn before.
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <random>
 
@@ -21,6 +23,22 @@ TEST_F(Samples, parts_of_a_range_add_up_to_the_whole_bit_for_bit) {
     const image::FilmPart parts[] = {{&b, "second"}, {&a, "first"}};
     EXPECT_EQ(image::merge_films(parts).limbs, whole.limbs);
     EXPECT_EQ(image::resolve_film(image::merge_films(parts)).exact, image::resolve_film(whole).exact);
+}
+
+// A device takes at least 65,535 work groups along one axis, no more: 2049 x 2048 pixels in a line of groups of 64 are too many.
+TEST_F(Samples, a_block_of_more_than_four_million_pixels_is_added) {
+    constexpr uint32_t kWidth = 2049, kHeight = 2048;
+    const uint64_t plane = uint64_t{kWidth} * kHeight * sizeof(float);
+    const passes::Film film{.block = gpu::Buffer(device(), "test/block", plane), .sums = gpu::Buffer(device(), "test/sums", 3 * plane), .width = kWidth, .height = kHeight, .channel_count = 1};
+    Frame frame(device());
+    frame.fill(film.sums, 0);
+    frame.fill(film.block, std::bit_cast<uint32_t>(1.0f));
+    passes::add_block(frame, film, {.first_row = 1, .row_count = kHeight - 1});
+    frame.run();
+    const std::vector<uint32_t> limbs = download<uint32_t>(film.sums);
+    const size_t pixels = size_t{kWidth} * kHeight;
+    for (const size_t first : {size_t{0}, 2 * pixels}) EXPECT_EQ(std::count(limbs.begin() + ptrdiff_t(first), limbs.begin() + ptrdiff_t(first + pixels), 0u), ptrdiff_t(pixels));
+    for (size_t p = 0; p < pixels; ++p) ASSERT_EQ(limbs[pixels + p], p < kWidth ? 0u : 256u) << p;  // 1 is 2^40, 2^8 in the middle limb
 }
 
 // 16,384 blocks of 64 on the device, against integers. The second half is brighter by a hundredth, which a running mean in float no

@@ -195,6 +195,17 @@ TEST(SceneHash, the_render_hash_covers_the_view_and_the_settings) {
     EXPECT_EQ(hashes.size(), 12u);
 }
 
+// A share of 0 or 1 would leave lights without extent unsampled: they would be missing from the picture.
+TEST(RenderSettings, no_share_takes_all_samples_from_a_kind_of_light) {
+    RenderSettings settings;
+    for (const char* share : {"0", "1"}) {
+        const std::string line = error_line([&] { apply_assignment(settings, fmt::format("light.infinite_share={}", share)); });
+        EXPECT_NE(line.find("is out of range"), std::string::npos) << line;
+    }
+    apply_assignment(settings, "light.infinite_share=0.01");
+    apply_assignment(settings, "light.infinite_share=0.99");
+}
+
 TEST(Metering, a_grey_card_gives_its_textbook_exposure) {
     // EV100 = log2(L * 100 / 12.5): 4096 nits are EV 15, the sunny 16 rule.
     EXPECT_EQ(metered_ev(std::vector<float>(100, 4096.0f)), 15.0);
