@@ -213,6 +213,7 @@ BsdfSample sample_bsdf(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u) {
     if (u_lobe < shares.ggx) {
         if (bsdf.base.delta) return sample_delta_base(bsdf, shares, o, wo);
         result.wi = sample_ggx_reflection(wo, bsdf.base.alpha, u);
+        if (result.wi.z <= 0.0) return kNoBsdfSample;
         result.lobe = kLobeSpecular;
     } else if (u_lobe < shares.ggx + shares.wide) {
         result.wi = sample_cosine_hemisphere(u);
@@ -222,10 +223,11 @@ BsdfSample sample_bsdf(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u) {
     else if (u_lobe < shares.ggx + shares.wide + shares.coat) {
         if (bsdf.layers.coat_delta) return sample_delta_coat(bsdf, shares, o, wo);
         const vec3 co = to_coat(bsdf.layers, wo);
-        if (co.z <= 0.0) return result;
-        result.wi = from_coat(bsdf.layers, sample_ggx_reflection(co, bsdf.layers.coat_alpha, u));
+        if (co.z <= 0.0) return kNoBsdfSample;
+        const vec3 ci = sample_ggx_reflection(co, bsdf.layers.coat_alpha, u);
+        result.wi = from_coat(bsdf.layers, ci);
         result.lobe = kLobeSpecular;
-        if (result.wi.z <= 0.0) return kNoBsdfSample;
+        if (ci.z <= 0.0 || result.wi.z <= 0.0) return kNoBsdfSample;
     } else if (u_lobe < shares.ggx + shares.wide + shares.coat + shares.sheen) {
         result.wi = sample_uniform_sphere(u);
         result.wi.z = abs(result.wi.z);
@@ -239,7 +241,7 @@ BsdfSample sample_bsdf(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u) {
         result.lobe = glass.wi.z < 0.0 ? kLobeTransmission : kLobeSpecular;
     }
 #endif
-    if (result.lobe == kLobeNone || (!kLayers && result.wi.z <= 0.0)) return kNoBsdfSample;
+    if (result.lobe == kLobeNone) return kNoBsdfSample;
     const BsdfTerms terms = bsdf_terms(bsdf, shares, o, wo, result.wi);
     if (terms.pdf <= 0.0) return kNoBsdfSample;
     result.pdf = terms.pdf;

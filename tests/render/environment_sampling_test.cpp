@@ -265,6 +265,7 @@ TEST_F(EnvironmentSampling, a_black_map_takes_no_samples_from_others) {
     edit.add(Light{.kind = LightKind::Point, .intensity = 5.0f});
     Stage stage(make_scene(std::move(edit)));
     for (const LightResult& r : sample_lights(stage, 256, 12, {0.0f, 1.0f, 0.0f})) ASSERT_EQ(r.probability, 1.0f);
+    EXPECT_EQ(stage.scene_gpu.stats().emitters, 1u);
 }
 
 }  // namespace parhelion::testing

@@ -101,13 +101,13 @@ protected:
 
     // Every pixel's motion against its surface's point, or its direction where it sees the sky, in double. Returns how many pixels
     // saw `moving`.
-    static size_t check_motion(const image::FilmSums& film, const Tiles& tiles, const glm::dmat4& was, const glm::dmat4& is, const Lens& before, const Lens& now) {
+    static size_t check_motion(const image::FilmSums& film, const Tiles& tiles, const glm::mat4& was, const glm::mat4& is, const Lens& before, const Lens& now) {
         size_t seen = 0;
         for (size_t p = 0; p < film.pixel_count(); ++p) {
             const float depth = value(film, "depth", p);
             const DVec3 direction = now.direction(centre(p)), point = now.origin(centre(p)) + double(depth) * direction;
             const bool on_moving = words(film, "ids.instance")[p] == tiles.moving.index;
-            const DVec3 point_before = on_moving ? DVec3(was * glm::inverse(is) * glm::dvec4(point, 1)) : point;
+            const DVec3 point_before = on_moving ? DVec3(glm::dmat4(was) * glm::inverse(glm::dmat4(is)) * glm::dvec4(point, 1)) : point;
             const DVec2 expected = (std::isinf(depth) ? before.project_offset(direction, glm::dot(direction, before.forward)) : before.project(point_before)) - centre(p);
             EXPECT_NEAR(value(film, "motion.X", p), expected.x, 1e-3) << p;
             EXPECT_NEAR(value(film, "motion.Y", p), expected.y, 1e-3) << p;
@@ -169,8 +169,8 @@ TEST_F(FirstHits, ids_name_the_triangle_under_the_pixels_centre) {
         if (instance == tiles.moving.index) ++of_geometry[geometry];
     }
     EXPECT_GT(of_instance[tiles.floor.index], 100u);
-    EXPECT_GT(of_geometry[0], 20u);
-    EXPECT_GT(of_geometry[1], 20u);
+    EXPECT_GT(of_geometry[0], 8u);
+    EXPECT_GT(of_geometry[1], 8u);
 }
 
 TEST_F(FirstHits, what_stands_still_has_no_motion_at_all) {
@@ -193,7 +193,7 @@ TEST_F(FirstHits, motion_follows_the_camera_and_the_instance) {
     stage.step(std::move(edit));
     const CameraView before = look_at({0.5f, 1.6f, 3.0f}, {0.0f, 0.1f, 0.0f}, 0.8f), now = aslant();
     const image::FilmSums film = film_after(stage, before, now);
-    EXPECT_GT(check_motion(film, tiles, glm::dmat4(was), glm::dmat4(is), Lens(before), Lens(now)), 100u);
+    EXPECT_GT(check_motion(film, tiles, was, is, Lens(before), Lens(now)), 30u);
     const auto sky = std::ranges::count_if(words(film, "depth"), [](uint32_t bits) { return std::isinf(std::bit_cast<float>(bits)); });
     EXPECT_GT(sky, 50);
 
@@ -201,7 +201,7 @@ TEST_F(FirstHits, motion_follows_the_camera_and_the_instance) {
     stage.step({});
     const CameraView high = camera_from_above(3.0f, 2.5f), wider = camera_from_above(4.0f, 1.9f);
     const image::FilmSums later = film_after(stage, high, wider);
-    check_motion(later, tiles, glm::dmat4(is), glm::dmat4(is), Lens(high), Lens(wider));
+    check_motion(later, tiles, is, is, Lens(high), Lens(wider));
 }
 
 TEST_F(FirstHits, what_was_behind_the_camera_has_infinite_motion) {

@@ -140,11 +140,12 @@ Bytes encode_draco(const Sheet& sheet, int method) {
 
 class GltfGeometry : public GpuTest {
 protected:
+    // By light samples alone: which lobe a path takes may flip with the last bit of a normal.
     static image::ImageF draw(const Glb& file) {
         SceneFiles files({});
         const Bytes bytes = file.bytes();
         Stage stage(make_scene(read_gltf(files, bytes, "sheet.glb")));
-        return stage.picture({.view = {.width = 32, .height = 32, .max_bounces = 1, .filter = PixelFilter::Point},
+        return stage.picture({.view = {.width = 32, .height = 32, .max_bounces = 1, .filter = PixelFilter::Point, .light_sampling = 1},
                               .camera = camera_from_above(6.0f, 1.1f),
                               .sample_count = 1});
     }
@@ -274,8 +275,9 @@ TEST_F(GltfGeometry, quantised_data_draw_the_same_picture_within_their_steps) {
                                    {"indices", file.accessor(file.view(indices), kUByte, "SCALAR", indices.size())}})}});
     const image::ImageF picture = draw(file);
     const image::ImageF& plain = plain_picture();
+    // Half a step of a normal, times the 16 that the node's scale makes of it, tilts it by 5e-4: 0.4 % of the cosine of grazing light.
     size_t near = 0;
-    for (size_t i = 0; i < plain.data.size(); ++i) near += std::abs(picture.data[i] - plain.data[i]) <= 2e-3f * plain.data[i] ? 1 : 0;
+    for (size_t i = 0; i < plain.data.size(); ++i) near += std::abs(picture.data[i] - plain.data[i]) <= 4e-3f * plain.data[i] ? 1 : 0;
     EXPECT_GT(near, plain.data.size() * 99 / 100);
 }
 

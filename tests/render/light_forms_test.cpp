@@ -171,6 +171,17 @@ TEST_F(LightForms, a_mesh_under_transforms_that_stretch_and_mirror) {
     }
 }
 
+TEST_F(LightForms, nothing_behind_a_lamp_of_one_side) {
+    SceneEdit edit;
+    add_ground(edit);
+    Primitive quad;
+    add_quad(quad, {-1.0f, 1.0f, 1.0f}, {2.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -2.0f});  // shines up
+    add_lamp(edit, std::move(quad), lamp());
+    Stage stage(make_scene(std::move(edit)));
+    for (uint32_t mode = 0; mode < 3; ++mode)
+        EXPECT_EQ(mean_rgb(stage.picture({.view = {.width = kSize, .height = kSize, .max_bounces = 1, .light_sampling = mode}, .camera = camera_from_below_lamps(), .sample_count = 64})), 0.0) << kNames[mode];
+}
+
 // Each texel of a nearest filter is a rectangle of its own; some are black, some dim. As two triangles that all texels share,
 // and with a quad to each texel.
 TEST_F(LightForms, a_textured_emitter) {

@@ -158,7 +158,42 @@ TEST_F(LightScale, ten_thousand_punctual_lights) {
     });
 }
 
-// One that shines on the ground among a million that are black: the ground's light has the noise of one lamp.
+// By flux: area in the world x sides x what the texture shows. What shows nothing is no emitter.
+TEST_F(LightScale, emitters_are_picked_by_what_they_really_emit) {
+    SceneEdit edit;
+    const auto texture = [&](std::vector<uint8_t> texels) {
+        Image image{.width = static_cast<uint32_t>(texels.size() / 4), .height = 1, .texels = std::move(texels)};
+        return TextureRef{.texture = edit.add(Texture{.image = edit.add(std::move(image)), .sampler = {.wrap_u = Wrap::ClampToEdge, .wrap_v = Wrap::ClampToEdge, .mag = Filter::Nearest}})};
+    };
+    double next_x = 0;
+    const auto add = [&](Material material, glm::vec3 scale) {  // a unit square at x in [next_x, next_x + 1], before it is scaled
+        Primitive quad;
+        add_textured_quad(quad, {0.0f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 1.0f});
+        builtin::add_object(edit, "lamp", std::move(quad), edit.add(std::move(material)), {.translation = {float(next_x), 1.0f, 0.0f}, .scale = scale});
+        next_x += 10;
+    };
+    Material plain = builtin::lambert("plain", glm::vec3(0.0f), glm::vec3(10.0f)), two_sided = plain, half = plain, black = plain;
+    two_sided.double_sided = true;
+    half.emissive_texture = texture({0, 0, 0, 255, 255, 255, 255, 255});
+    black.emissive_texture = texture({0, 0, 0, 255});
+    add(plain, glm::vec3(1.0f));
+    add(plain, {2.0f, 1.0f, 3.0f});
+    add(two_sided, glm::vec3(1.0f));
+    add(half, glm::vec3(1.0f));
+    add(half, {1.0f, 7.0f, 4.0f});
+    add(black, glm::vec3(2.0f));
+    Stage stage(make_scene(std::move(edit)), {.hardware = false});
+    const std::vector<double> flux = {1, 6, 2, 0.5, 2, 0};
+    std::vector<double> seen(flux.size()), expected;
+    constexpr uint32_t kSamples = 1 << 16;
+    for (const LightResult& r : sample_lights(stage, kSamples, 6, {20.0f, 0.0f, 0.5f})) ++seen[size_t(std::lround(r.target_ws.x) / 10)];
+    for (const double f : flux) expected.push_back(f / 11.5 * kSamples);
+    const ChiSquare test = chi_square_test(seen, expected);  // alpha 1e-4
+    EXPECT_GE(test.p, 1e-4) << test.text;
+    EXPECT_EQ(stage.scene_gpu.stats().emitters, 5u);
+}
+
+// What does not shine takes no samples from what does.
 TEST_F(LightScale, one_bright_triangle_among_a_hundred_thousand_black_ones_takes_all_samples) {
     constexpr uint32_t kCells = 224;  // 100352 triangles
     SceneEdit edit;

@@ -36,12 +36,12 @@ constexpr OracleCase kCases[] = {
     {"alpha", 16},
     {"mirrors", 16, 0.0f, 0.01},
     {"glass", 16, 0.0f, 0.01},
-    {"rough_room", 16},
-    {"rough_room_compensated", 16},
-    {"rough_sky", 16, 73.0f},
-    {"rough_sky_compensated", 16, 73.0f},
-    {"rough_glass", 16, 73.0f},
-    {"rough_slab", 16},
+    {"rough_room", 16, 0.0f, 0.01},
+    {"rough_room_compensated", 16, 0.0f, 0.01},
+    {"rough_sky", 32, 73.0f, 0.01},
+    {"rough_sky_compensated", 32, 73.0f, 0.01},
+    {"rough_glass", 32, 73.0f, 0.01},
+    {"rough_slab", 16, 0.0f, 0.01},
 };
 
 // Pictures of the same scene, with the light put back that scatters more than once.

@@ -41,8 +41,8 @@ struct SpawnCounts {
     }
 };
 
-// Triangles in the world, about points |p| of 1e-6 to 1e6 metres, a quarter of them on a coordinate plane, and instances that are turned,
-// stretched and moved as much.
+// Triangles in the world about points |p| of 1e-6 to 1e6 metres, a quarter of them about a point of a coordinate plane (half of these
+// in it, where positions are exact) and half of them up to a thousand times as large as that, and instances that are turned, stretched and moved as much.
 class SpawnScene {
 public:
     static constexpr uint32_t kWorldTriangles = 1500, kInstances = 20, kInstanceTriangles = 50;
@@ -101,7 +101,9 @@ private:
             const float away = power(-6.0f, 6.0f);
             glm::vec3 center = away * random_.direction();
             if (i % 4 == 0) center[int(i / 4 % 3)] = 0.0f;
-            add_triangle(world, center, away * power(-3.0f, 0.5f));
+            add_triangle(world, center, away * power(-3.0f, i % 2 == 0 ? 0.5f : 3.0f));
+            if (i % 8 == 0)
+                for (size_t corner = 0; corner < 3; ++corner) world.positions[3 * i + corner][int(i / 4 % 3)] = 0.0f;
         }
         for (uint32_t i = 0; i < kInstanceTriangles; ++i) add_triangle(object, random_.direction(), power(-2.0f, 0.0f));
         builtin::add_object(edit, "world", std::move(world), material);
@@ -110,7 +112,11 @@ private:
             const Handle<Instance> instance = builtin::add_object(edit, "object", object, material);
             const glm::quat turn = glm::angleAxis(random_.range(0.0f, 6.0f), random_.direction());
             const glm::vec3 scale = away * power(-2.0f, 0.5f) * glm::vec3(power(-1.0f, 1.0f), power(-1.0f, 1.0f), i % 2 == 0 ? 1.0f : -1.0f);
-            edit.set_transform(instance, glm::scale(glm::translate(glm::mat4(1.0f), away * random_.direction()) * glm::mat4_cast(turn), scale));
+            glm::mat4 place = glm::scale(glm::mat4_cast(turn), scale);
+            // Every third puts a corner of its own far from the origin near the world's: there coordinates are small and errors large.
+            if (i % 3 == 0) place[3] -= glm::vec4(glm::mat3(place) * object.positions[3 * i], 0.0f);
+            place[3] += glm::vec4((i % 3 == 0 ? 1e-4f : 1.0f) * away * random_.direction(), 0.0f);
+            edit.set_transform(instance, place);
         }
         return make_scene(std::move(edit));
     }

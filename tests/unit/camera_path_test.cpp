@@ -44,7 +44,8 @@ TEST(CameraPath, one_key_is_a_camera_and_an_angle_may_be_left_out) {
 TEST(CameraPath, what_is_wrong_with_a_file_is_one_clear_line) {
     const auto keys = [](std::string_view text) { return fmt::format(R"({{"keys": [{}]}})", text); };
     const std::pair<std::string, const char*> cases[] = {
-        {"", "p.json"},
+        {"", "p.json: this is no camera path"},
+        {"{", "p.json"},
         {"[1, 2]", "this is no camera path (its form is"},
         {"{}", "this is no camera path"},
         {R"({"keys": []})", "keys: is not a list of keys"},

@@ -10,6 +10,7 @@
 #include "base/file.h"
 #include "scene/builtin/scenes.h"
 #include "scene/load.h"
+#include "scene/pose.h"
 #include "scene/shapes.h"
 
 namespace parhelion {
@@ -103,6 +104,7 @@ TEST(CameraSetup, over_the_shutter_the_camera_goes_where_its_animation_takes_it_
     EXPECT_EQ(moving.closes->position, glm::vec3(1, 1, 0));
     EXPECT_EQ(loaded.scene.get((*loaded.scene.cameras().begin()).handle).place.world_from_object[3], glm::vec4(0, 1, 0, 1));
     options.load.time = 5;  // beyond the last key: nothing moves
+    loaded.scene.apply(pose_at(loaded.scene, 5.0));
     options.fov_degrees = 30;
     EXPECT_FALSE(set_up_camera(loaded, options, true, description).closes);
 }

@@ -115,7 +115,7 @@ def render(name, path, samples):
         scene["environment"] = base.environment_emitter(environment_picture())
     scene["integrator"] = {"type": "path", "max_depth": bounces + 1, "rr_depth": 1 << 20}
     scene = mi.load_dict(scene)
-    runs = np.stack([np.array(mi.render(scene, spp=samples // RUNS, seed=2000 + run), dtype=np.float64)[..., :3] for run in range(RUNS)])
+    runs = np.stack([np.array(mi.render(scene, spp=samples // RUNS, seed=3000 + run), dtype=np.float64)[..., :3] for run in range(RUNS)])
     mean, variance = runs.mean(0), runs.var(0, ddof=1) / RUNS
     header = {"bounces": str(bounces), "environment": str(int(environment)), "runs": str(RUNS), "renderer": f"Mitsuba {mi.__version__} llvm_ad_rgb path", "samples": str(samples)}
     planes = dict(zip("RGB", np.moveaxis(mean, 2, 0))) | dict(zip(("variance.R", "variance.G", "variance.B"), np.moveaxis(variance, 2, 0)))

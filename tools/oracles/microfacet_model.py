@@ -5,7 +5,8 @@ f(o, i) without the cosine, for radiance: what is seen through a boundary is sca
 the surface over the index on the viewer's side. alpha = roughness^2. Arrays broadcast; vectors have their last axis of size 3.
 
     GGX, its Jacobians, rough glass     Walter, Marschner, Li, Torrance 2007, Microfacet models for refraction through rough surfaces
-    Smith's Lambda, height correlation  Heitz 2014, Understanding the masking-shadowing function (section 6.9; opposite sides: Beta function)
+    Smith's Lambda, height correlation  Heitz 2014, Understanding the masking-shadowing function; for opposite sides (Beta function)
+                                        Heitz, Hanika, d'Eon, Dachsbacher 2016, Multiple-scattering microfacet BSDFs with the Smith model
     visible normals                     Heitz 2018, Sampling the GGX distribution of visible normals
     Fresnel of metals                   Schlick 1994
     energy compensation                 Kulla and Conty 2017, Revisiting physically based shading at Imageworks

@@ -85,12 +85,13 @@ void add_moving(LoadedScene& out, const DioramaHandles& handles) {
 
 // The camera that pictures start from comes nearer, for blur by its motion.
 void add_camera_walk(LoadedScene& out) {
-    const auto [handle, camera] = *out.scene.cameras().begin();
-    out.scripted_edits.push_back({"walk", "the camera \"nook\" comes nearer, 40 cm a second", [handle = handle, camera = camera](double seconds) {
-                                      Camera now = camera;
-                                      now.place.node_from_object[3] -= float(0.4 * seconds) * camera.place.node_from_object[2];
+    const Handle<Camera> nook = *out.scene.cameras().handle_at(0);
+    const glm::mat4 start = out.scene.get(nook).place.node_from_object;
+    out.scripted_edits.push_back({"walk", "the camera \"nook\" comes nearer, 40 cm a second", [nook, start](double seconds) {
+                                      glm::mat4 now = start;
+                                      now[3] -= float(0.4 * seconds) * start[2];
                                       SceneEdit step;
-                                      step.set_camera(handle, std::move(now));
+                                      step.set_transform(nook, now);
                                       return step;
                                   }});
 }
