@@ -16,8 +16,7 @@ SHARED_FN uint sample_alias(uint64_t table, uint count, vec2 u) {
     const uint64_t low = uint64_t(uint(u.y * 16777216.0f)) * uint64_t(count);
     const uint64_t product = high + (low >> 24);
     const uint bin = uint(product >> 24);
-    // The second number once more: a shifted sequence has the same low digits in all its first numbers, and would always choose alike.
-    const float rest = float((uint(product) + uint(u.y * 16777216.0f)) & 0xFFFFFFu) * 5.9604645e-8f;
+    const float rest = float(uint(product) & 0xFFFFFFu) * 5.9604645e-8f;
     const AliasEntry entry = AliasRows(table).v[bin];
     return rest < entry.probability ? bin : entry.alias;
 }

@@ -82,15 +82,32 @@ SHARED_FN ShearedTriangle shear_triangle(ShearedRay ray, vec3 p0, vec3 p1, vec3 
 
 SHARED_FN bool surrounds_ray(ShearedTriangle s) { return min(s.u, min(s.v, s.w)) >= 0.0f || max(s.u, max(s.v, s.w)) <= 0.0f; }
 
+SHARED_FN float weighted_area(ShearedTriangle s) {
+    SHARED_PRECISE const float area = (s.u + s.v) + s.w;
+    return area;
+}
+
+// t where the ray's line meets the triangle's plane, weighted by the areas.
+SHARED_FN float plane_distance(ShearedRay ray, ShearedTriangle s) {
+    SHARED_PRECISE const float t = ((s.u * s.a.z + s.v * s.b.z) + s.w * s.c.z) * ray.shear.z / weighted_area(s);
+    return t;
+}
+
 // The ray's line against the triangle; the caller looks at the range of t. Edges count as inside for both of their triangles,
 // so no ray slips between them. A triangle seen exactly edge-on is not hit.
 SHARED_FN bool intersect_watertight(ShearedRay ray, vec3 p0, vec3 p1, vec3 p2, SHARED_INOUT(TriangleHit) hit) {
-    const ShearedTriangle s = shear_triangle(ray, p0, p1, p2, false);
+    ShearedTriangle s = shear_triangle(ray, p0, p1, p2, false);
     if (!surrounds_ray(s)) return false;
-    SHARED_PRECISE const float area = (s.u + s.v) + s.w;
-    if (area == 0.0f) return false;
-    SHARED_PRECISE const float t = ((s.u * s.a.z + s.v * s.b.z) + s.w * s.c.z) * ray.shear.z / area;
-    hit.t = t;
+    if (weighted_area(s) == 0.0f) return false;
+    hit.t = plane_distance(ray, s);
+    // Slivers amplify the areas' roundings. Where the ray begins near the triangle's plane they would decide on which side of it,
+    // and a ray that leaves a sliver by its error bounds could meet it again.
+    if (abs(hit.t) < 0.01f * abs(ray.shear.z) * max(abs(s.a.z), max(abs(s.b.z), abs(s.c.z)))) {
+        s = shear_triangle(ray, p0, p1, p2, true);
+        if (weighted_area(s) == 0.0f) return false;
+        hit.t = plane_distance(ray, s);
+    }
+    const float area = weighted_area(s);
     hit.barycentrics = vec2(s.v, s.w) / area;
     hit.front_facing = (area > 0.0f) == (ray.shear.z > 0.0f);
     return true;

@@ -72,14 +72,18 @@ SHARED_FN uint blue_noise_rank(uint64_t tile, uvec2 pixel, uint dimension) {
 // Sobol with a shift per pixel (Cranley and Patterson 1976) whose high bits are blue noise over the image (Georgiev and Fajardo
 // 2016) and whose low bits are hashed, so that the shift is uniform to the last bit. A new seed moves it by golden-ratio steps;
 // each dimension takes the steps in its own shuffled order, because equal steps in all would only walk the diagonal. All samples
-// of a seed share the shift: moving it by sample breaks the sequence.
+// of a seed share the shift: moving it by sample breaks the sequence. The first 2^k points of Sobol's sequence differ in k bits only,
+// and with the same shift they would agree in all others, which choose between the sides of an alias table's bins: those are hashed
+// by sample, as far as the bits that the points so far have told apart, and ten at least, stay as they are.
 SHARED_FN uint draw_cranley(PathSampler s, uint dimension) {
     if (dimension >= kSobolDimensions) return draw_pcg(s, dimension).x;
     const uint low_bits = 32u - kBlueNoiseRankBits;
     const uint low = pcg4d(uvec4(s.pixel.x, s.pixel.y, s.seed, dimension)).x >> kBlueNoiseRankBits;
     const uint blue = (blue_noise_rank(s.blue_noise, s.pixel, dimension) << low_bits) | low;
     const uint step = nested_uniform_scramble(s.seed, pcg_hash(dimension));
-    return sobol(s.sobol, s.sample_index, dimension) + blue + step * 0x9E3779B9u;
+    const uint kept_bits = max(uint(findMSB(s.sample_index) + 1), 10u);
+    const uint jitter = pcg4d(uvec4(s.pixel.x, s.pixel.y, hash_combine(s.seed, s.sample_index), dimension)).y >> kept_bits;
+    return sobol(s.sobol, s.sample_index, dimension) + blue + step * 0x9E3779B9u + jitter;
 }
 
 SHARED_FN float next_1d(SHARED_INOUT(PathSampler) s) {

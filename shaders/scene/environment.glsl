@@ -1,10 +1,8 @@
 // The environment: radiance along a direction, and its sampling triple. The alias table's cells are rectangles in (azimuth,
-// cosine of the polar angle), so that a cell has one density; the table's `pmf` is that density, per solid angle. Its rows are in the
-// order of lib/cell_order.glsl: in the order of scan lines, sample points that are evenly spread would meet few azimuths.
+// cosine of the polar angle), so that a cell has one density; the table's `pmf` is that density, per solid angle.
 #ifndef PARHELION_SCENE_ENVIRONMENT_GLSL
 #define PARHELION_SCENE_ENVIRONMENT_GLSL
 #include "lib/alias.glsl"
-#include "lib/cell_order.glsl"
 #include "lib/microfacet.glsl"
 #include "scene/scene.glsl"
 
@@ -42,12 +40,12 @@ float sine_squared(float x) {
 // u.xy choose the cell, u.zw the place in it. Returns the direction, and its density per solid angle in pdf.
 vec3 sample_environment(vec4 u, out float pdf) {
     const Environment e = scene.header.environment;
-    const uint place = sample_alias(scene.header.environment_table, e.table_width * e.table_height, u.xy);
-    const uvec2 cell = cell_at(place, uvec2(e.table_width, e.table_height));
-    pdf = alias_pmf(scene.header.environment_table, place);
-    const bool from_below = 2u * cell.y + 1u > e.table_height;
-    const float rows = float(from_below ? e.table_height - 1u - cell.y : cell.y), step = 0.5 * kPi / float(e.table_height);
-    return environment_direction((float(cell.x) + u.z) / float(e.table_width), mix(sine_squared(rows * step), sine_squared((rows + 1.0) * step), u.w), from_below);
+    const uint cell = sample_alias(scene.header.environment_table, e.table_width * e.table_height, u.xy);
+    const uint row = cell / e.table_width, column = cell % e.table_width;
+    pdf = alias_pmf(scene.header.environment_table, cell);
+    const bool from_below = 2u * row + 1u > e.table_height;
+    const float rows = float(from_below ? e.table_height - 1u - row : row), step = 0.5 * kPi / float(e.table_height);
+    return environment_direction((float(column) + u.z) / float(e.table_width), mix(sine_squared(rows * step), sine_squared((rows + 1.0) * step), u.w), from_below);
 }
 
 float pdf_environment_solid_angle(vec3 d) {
@@ -55,6 +53,6 @@ float pdf_environment_solid_angle(vec3 d) {
     const vec2 uv = environment_uv(d);
     const uint column = min(uint(uv.x * float(e.table_width)), e.table_width - 1u);
     const uint row = min(uint(uv.y * float(e.table_height)), e.table_height - 1u);
-    return alias_pmf(scene.header.environment_table, cell_place(uvec2(column, row), uvec2(e.table_width, e.table_height)));
+    return alias_pmf(scene.header.environment_table, row * e.table_width + column);
 }
 #endif

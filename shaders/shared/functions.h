@@ -28,6 +28,7 @@ using glm::abs;
 using glm::dot;
 using glm::max;
 using glm::min;
+constexpr int findMSB(uint v) { return 31 - std::countl_zero(v); }
 constexpr int findLSB(uint v) { return v == 0u ? -1 : std::countr_zero(v); }
 constexpr uint bitfieldReverse(uint v) {
     v = ((v >> 1) & 0x55555555u) | ((v & 0x55555555u) << 1);

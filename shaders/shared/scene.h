@@ -128,7 +128,7 @@ struct AliasEntry {
 };
 
 // Equirectangular environment: u grows with the azimuth, v from +Y (0) to -Y (1). Radiance is the bilinear texture times
-// `scale`; the alias table has `table_width` x `table_height` cells (powers of two), each a rectangle in (azimuth, cosine of the polar angle).
+// `scale`; the alias table has `table_width` x `table_height` cells, each a rectangle in (azimuth, cosine of the polar angle).
 struct Environment {
     vec3 scale;
     uint texture;  // slot, kNone: constant radiance `scale`

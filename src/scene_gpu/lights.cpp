@@ -1,12 +1,10 @@
 // The top of the light table: emitters (emissive geometry of an instance, punctual light, environment) by their share of the emitted
 // flux; and the environment's table. Motion remakes only the top.
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 
-#include "sampling/cell_order.h"
 #include "scene/environment_flux.h"
 #include "scene_gpu/state.h"
 
@@ -57,19 +55,14 @@ void SceneGpu::State::make_environment() {
                    .table_height = 1,
                    .emitter = shared::kNone};
     if (!e.radiance.empty()) {
-        environment.table_width = std::min(std::bit_ceil(e.width), kMaxTableWidth);
-        environment.table_height = std::min(std::bit_ceil(e.height), kMaxTableHeight);
+        environment.table_width = std::min(e.width, kMaxTableWidth);
+        environment.table_height = std::min(e.height, kMaxTableHeight);
     }
     const std::vector<double> flux = environment_flux(e, environment.table_width, environment.table_height);
     environment_luminance = std::accumulate(flux.begin(), flux.end(), 0.0) / (4.0 * kPi);
-    const glm::uvec2 size(environment.table_width, environment.table_height);
-    std::vector<double> weights(flux.size());
-    for (uint32_t i = 0; i < weights.size(); ++i) {
-        const glm::uvec2 cell = sampling::cell_at(i, size);
-        weights[i] = flux[size_t(cell.y) * size.x + cell.x];
-    }
-    std::vector<shared::AliasEntry> rows = make_alias_rows(weights);
-    for (uint32_t i = 0; i < rows.size(); ++i) rows[i].pmf = static_cast<float>(rows[i].pmf / environment_cell_solid_angle(sampling::cell_at(i, size).y, size.x, size.y));
+    std::vector<shared::AliasEntry> rows = make_alias_rows(flux);
+    for (size_t i = 0; i < rows.size(); ++i)
+        rows[i].pmf = static_cast<float>(rows[i].pmf / environment_cell_solid_angle(static_cast<uint32_t>(i / environment.table_width), environment.table_width, environment.table_height));
     environment_alias = make_table("environment_alias", std::move(rows));
 }
 

@@ -124,7 +124,7 @@ TEST_F(LightEstimators, a_translucent_and_a_cut_out_lamp) {
         Primitive quad;
         add_textured_quad(quad, {-1.8f, 1.2f, -1.8f}, {3.6f, 0.0f, 0.0f}, {0.0f, 0.0f, 3.6f});
         builtin::add_object(edit, "lamp", std::move(quad), edit.add(std::move(material)));
-        expect_same(std::move(edit), mode == AlphaMode::Blend ? "blend" : "mask");
+        expect_same(std::move(edit), mode == AlphaMode::Blend ? "blend" : "mask", 32);
     }
 }
 

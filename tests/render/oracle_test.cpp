@@ -34,6 +34,8 @@ constexpr OracleCase kCases[] = {
     {"punctual", 24, 0.0f, 0.01},
     {"directional", 8},
     {"alpha", 16},
+    {"mirrors", 16, 0.0f, 0.01},
+    {"glass", 16, 0.0f, 0.01},
     {"rough_room", 16, 0.0f, 0.01},
     {"rough_room_compensated", 16, 0.0f, 0.01},
     {"rough_sky", 32, 73.0f, 0.01},

@@ -83,21 +83,38 @@ TEST(Sampler, each_owen_pair_is_a_0_2_sequence_in_every_pixel_and_dimension) {
     }
 }
 
-// A shifted (0,1)-sequence: 64 samples lie one in each interval of a grid that is shifted alike, so their places in it agree.
+// A shifted (0,1)-sequence: 64 samples lie one in each interval of a grid that is shifted alike, so their places in it agree, but for
+// the jitter of 2^-10.
 TEST(Sampler, cranley_is_stratified_in_each_dimension_up_to_its_shift) {
     for (uint32_t dimension = 0; dimension < shared::kSobolDimensions; ++dimension) {
-        std::set<uint32_t> cells;
-        std::vector<float> place;
+        std::vector<float> all, place;
         for (uint32_t i = 0; i < 64; ++i) {
-            const float u = draw(shared::kSamplerCranley, {dimension * 5, 9}, 64 + i, 3, dimension).x * 64.0f;
-            cells.insert(static_cast<uint32_t>(u));
-            place.push_back(u - std::floor(u));
+            all.push_back(draw(shared::kSamplerCranley, {dimension * 5, 9}, 64 + i, 3, dimension).x * 64.0f);
+            place.push_back(all.back() - std::floor(all.back()));
         }
-        EXPECT_EQ(cells.size(), 64u);
         std::sort(place.begin(), place.end());
-        float gap = 1.0f - place.back() + place.front();  // on the circle, all places fall together but for the last bits
-        for (size_t i = 1; i < place.size(); ++i) gap = std::max(gap, place[i] - place[i - 1]);
-        EXPECT_GT(gap, 1.0f - 1e-4f) << "dimension " << dimension;
+        // On the circle all places fall together but for the jitter; the grid begins behind the gap.
+        float gap = 1.0f - place.back() + place.front(), shift = place.front();
+        for (size_t i = 1; i < place.size(); ++i)
+            if (place[i] - place[i - 1] > gap) gap = place[i] - place[i - 1], shift = place[i];
+        std::set<uint32_t> cells;
+        for (const float u : all) cells.insert(static_cast<uint32_t>(u - shift + 64.0f) % 64);
+        EXPECT_EQ(cells.size(), 64u);
+        EXPECT_GT(gap, 1.0f - 64.0f / 1024.0f - 1e-4f) << "dimension " << dimension;
+    }
+}
+
+// A table of 2^17 rows makes the choice between a bin and its alias of what is left of a number below 2^-17: a pixel's samples must
+// not all choose alike.
+TEST(Sampler, cranley_has_digits_of_its_own_for_each_sample) {
+    for (uint32_t dimension = 0; dimension < shared::kSobolDimensions; ++dimension) {
+        uint32_t above = 0;
+        for (uint32_t i = 0; i < 256; ++i) {
+            const float rest = draw(shared::kSamplerCranley, {dimension * 5, 9}, i, 3, dimension).x * 131072.0f;
+            above += rest - std::floor(rest) >= 0.5f ? 1 : 0;
+        }
+        EXPECT_GT(above, 90u) << "dimension " << dimension;  // 128 +-8; false alarm 2e-6 a dimension
+        EXPECT_LT(above, 166u) << "dimension " << dimension;
     }
 }
 

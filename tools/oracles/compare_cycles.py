@@ -4,7 +4,7 @@
     apt-get install blender python3-numpy
     python3 tools/oracles/compare_cycles.py build/release/parhelion OUT [NAME...]
 
-NAME: a scene of tests/golden/oracles (all of kScenes by default). OUT gets NAME.cycles.exr, NAME.parhelion.exr and NAME.png, Cycles on the left.
+NAME: a scene of tests/golden/oracles (all of SCENES by default). OUT gets NAME.cycles.exr, NAME.parhelion.exr and NAME.png, Cycles on the left.
 The file runs twice: by Python, and inside Blender, which imports the glTF.
 
 What Blender's importer makes of a file that is not what glTF says, and what is done about it here:
@@ -12,6 +12,7 @@ What Blender's importer makes of a file that is not what glTF says, and what is 
                KHR_materials_specular is only kept for the way back. Materials without specular part become Diffuse shaders
                here, others stay (`--as-imported` leaves all)
   environment  none in glTF: the picture is hung up, turned so that its middle lies where Parhelion has it
+  textures     eight-bit ones are filtered before they are made linear, glTF filters after: scenes with linear filtering differ
   display      linear radiance is written; no view transform, no exposure
   sampling     box filter of one pixel, no clamping, no light threshold, caustics on, equal number of bounces
 """
@@ -24,7 +25,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 # name -> (bounces, environment's turn in degrees)
-SCENES = {"cornell": (5, 0), "many_emitters": (4, 0), "textured_emitters": (4, 0), "environment": (4, 73)}
+SCENES = {"cornell": (5, 0), "many_emitters": (4, 0), "environment": (4, 73), "directional": (4, 0)}
 ORACLES = ROOT / "tests/golden/oracles"
 
 
@@ -41,7 +42,8 @@ def diffuse_only(material):
     for new, old in ((diffuse.inputs["Color"], "Base Color"), (emission.inputs["Color"], "Emission"), (emission.inputs["Strength"], "Emission Strength")):
         source = principled.inputs[old]
         if source.is_linked:
-            tree.links.new(source.links[0].from_socket, new)
+            node = source.links[0].from_node  # a Mix node has a result of every type, of which one is in use
+            tree.links.new(next(o for o in node.outputs if o.enabled and o.type == "RGBA"), new)
         else:
             new.default_value = source.default_value
     tree.links.new(diffuse.outputs[0], add.inputs[0])
@@ -100,6 +102,33 @@ def inside_blender(task):
     bpy.ops.render.render(write_still=True)
 
 
+def side_by_side(left, right, out):
+    """Both pictures as sRGB, white at the 98th percentile of the left one. Inside Blender, which reads EXR and has numpy."""
+    import bpy
+    import numpy
+
+    sys.path.insert(0, str(Path(__file__).parent))
+    from oracle_files import png_bytes
+
+    pictures = []
+    for path in (left, right):
+        image = bpy.data.images.load(path)
+        image.colorspace_settings.name = "Linear"
+        width, height = image.size
+        pictures.append(numpy.array(image.pixels[:]).reshape(height, width, 4)[::-1, :, :3])
+    both = numpy.concatenate(pictures, 1) / numpy.percentile(pictures[0], 98)
+    both = numpy.clip(both, 0, 1)
+    encoded = numpy.where(both <= 0.0031308, 12.92 * both, 1.055 * both ** (1 / 2.4) - 0.055)
+    Path(out).write_bytes(png_bytes(numpy.rint(255 * encoded)))
+
+
+def run_blender(task, log):
+    # Debian's Blender finds its Python by PATH: it must meet Debian's first.
+    system = os.environ | {"PATH": "/usr/bin:/bin:" + os.environ["PATH"]}
+    command = ["blender", "--background", "--factory-startup", "--python-exit-code", "1", "--python", __file__, "--", json.dumps(task)]
+    subprocess.run(command, stdout=log, stderr=log, env=system, check=True)
+
+
 def read_glb_json(path):
     data = Path(path).read_bytes()
     return json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
@@ -113,20 +142,20 @@ def compare(program, out, name, samples, size, as_imported):
     task = {"scene": str(scene), "environment": environment and str(environment), "turn": turn, "bounces": bounces, "samples": samples, "size": size,
             "yfov": read_glb_json(scene)["cameras"][0]["perspective"]["yfov"], "out": str(theirs), "as_imported": as_imported}
     with open(out / f"{name}.log", "w") as log:
-        # Debian's Blender finds its Python by PATH: it must meet Debian's first.
-        system = os.environ | {"PATH": "/usr/bin:/bin:" + os.environ["PATH"]}
-        subprocess.run(["blender", "--background", "--factory-startup", "--python-exit-code", "1", "--python", __file__, "--", json.dumps(task)], stdout=log, stderr=log, env=system, check=True)
+        run_blender(task, log)
         render = [program, "render", scene, "--size", f"{size[0]}x{size[1]}", "--spp", str(samples), "--max-bounces", str(bounces), "--exr-type", "float", "--out", ours]
         render += ["--env", environment, "--env-rotation", str(turn)] if environment else []
         render += ["--set", "reference.roulette_start=65535"]
         subprocess.run(render, stdout=log, stderr=log, check=True)
+        run_blender({"left": str(theirs), "right": str(ours), "png": str(out / f"{name}.png")}, log)
     told = json.loads(subprocess.run([program, "compare", ours, theirs, "--json"], check=True, capture_output=True, text=True).stdout)
     print(f"| {name} | {told['mean_ratio']:.4f} | {told['relmse']:.2e} | {told['flip']:.4f} |", flush=True)
 
 
 def main():
     if "--" in sys.argv and "blender" in Path(sys.argv[0]).name:
-        return inside_blender(json.loads(sys.argv[sys.argv.index("--") + 1]))
+        task = json.loads(sys.argv[sys.argv.index("--") + 1])
+        return side_by_side(task["left"], task["right"], task["png"]) if "png" in task else inside_blender(task)
     import argparse
 
     arguments = argparse.ArgumentParser(description=__doc__.split("\n")[0])

@@ -120,8 +120,13 @@ class Translation:
 
     def bsdf(self, material, has_colors):
         pbr, extensions = material.get("pbrMetallicRoughness", {}), material.get("extensions", {})
+        smooth_white = pbr.get("roughnessFactor", 1) == 0 and pbr.get("baseColorFactor", [1, 1, 1, 1]) == [1, 1, 1, 1] and "baseColorTexture" not in pbr
+        if smooth_white and pbr.get("metallicFactor", 1) == 1:
+            return {"type": "conductor", "material": "none"}
+        if smooth_white and extensions.get("KHR_materials_transmission") == {"transmissionFactor": 1.0} and extensions.get("KHR_materials_volume") == {"thicknessFactor": 1.0}:
+            return {"type": "dielectric", "int_ior": extensions["KHR_materials_ior"]["ior"], "ext_ior": 1.0}
         if pbr.get("metallicFactor", 1) != 0 or extensions.get("KHR_materials_specular", {}).get("specularFactor", 1) != 0 or "normalTexture" in material:
-            refuse("a material that is not purely diffuse")
+            refuse("a material that is neither purely diffuse nor a white mirror nor clear glass")
         factor, reference = np.asarray(pbr.get("baseColorFactor", (1, 1, 1, 1)), float), pbr.get("baseColorTexture")
         if has_colors and reference:
             refuse("vertex colours times a texture")
@@ -221,7 +226,7 @@ def main():
     arguments.add_argument("program")
     arguments.add_argument("folder", type=Path)
     arguments.add_argument("scenes", nargs="*")
-    arguments.add_argument("--samples", type=int, default=16384)
+    arguments.add_argument("--samples", type=int, default=8192)
     arguments.add_argument("--variant", default="scalar_rgb")
     options = arguments.parse_args()
     mi.set_variant(options.variant)

@@ -108,6 +108,17 @@ class SceneWriter(Glb):
             material["emissiveTexture"] = emissive_texture
         return self.add("materials", material)
 
+    def mirror(self):
+        """White: a coloured metal's Fresnel term is Schlick's here and the complex one there."""
+        return self.add("materials", {"pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 1], "metallicFactor": 1.0, "roughnessFactor": 0.0}})
+
+    def glass(self, ior):
+        """Smooth, clear and solid."""
+        for extension in ("transmission", "volume", "ior"):
+            self.use("KHR_materials_" + extension)
+        extensions = {"KHR_materials_transmission": {"transmissionFactor": 1.0}, "KHR_materials_volume": {"thicknessFactor": 1.0}, "KHR_materials_ior": {"ior": ior}}
+        return self.add("materials", {"pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 1], "metallicFactor": 0.0, "roughnessFactor": 0.0}, "extensions": extensions})
+
     def texture(self, texels, nearest=False, wrap=10497):
         filter = 9728 if nearest else 9729
         image = self.add("images", {"bufferView": self.add_view(png_bytes(texels)), "mimeType": "image/png"})
@@ -297,6 +308,24 @@ def alpha(writer):
     low_camera(s)
 
 
+def mirrors(writer):
+    s = writer
+    s.room([s.lambert(WHITE), s.mirror(), s.lambert(RED), s.lambert(GREEN), s.lambert(WHITE)], lamp=s.lambert(WHITE, (1, 0.9, 0.75), 5.0), lamp_half=0.6)
+    s.object(Faces().box((-0.25, 0, -0.25), (0.25, 0.8, 0.25)), s.mirror(), translation(-0.4, 0, -0.35) @ rotation((0, 1, 0), 25))
+    s.object(Faces().icosphere(0.28, 1), s.mirror(), translation(0.45, 0.3, -0.3))
+    s.object(Faces().box((-0.15, 0, -0.15), (0.15, 0.3, 0.15)), s.lambert(BLUE), translation(0.1, 0, 0.1) @ rotation((0, 1, 0), 40))
+    low_camera(s)
+
+
+def glass(writer):
+    s = writer
+    s.room([s.lambert(GREY), s.lambert(BLUE), s.lambert(RED), s.lambert(GREEN), s.lambert(GREY)], lamp=s.lambert(WHITE, (1, 0.9, 0.75), 5.0), lamp_half=0.7)
+    s.object(Faces().icosphere(0.35, 3), s.glass(1.5), translation(-0.4, 0.45, -0.3))
+    s.object(Faces().box((-0.2, -0.25, -0.2), (0.2, 0.25, 0.2)), s.glass(1.33), translation(0.4, 0.4, -0.1) @ rotation((0.4, 1, 0.2), 35))
+    s.object(Faces().box((-0.12, 0, -0.12), (0.12, 0.9, 0.12)), s.lambert(WHITE), translation(0.15, 0, -0.7) @ rotation((0, 1, 0), 30))
+    low_camera(s)
+
+
 # name -> (builder, bounces): what is compared; bounces as --max-bounces counts them.
 SCENES = {
     "textured": (textured, 4),
@@ -307,4 +336,6 @@ SCENES = {
     "punctual": (punctual, 4),
     "directional": (directional, 4),
     "alpha": (alpha, 12),
+    "mirrors": (mirrors, 6),
+    "glass": (glass, 8),
 }
