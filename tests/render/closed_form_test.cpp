@@ -101,6 +101,35 @@ TEST_F(ClosedForm, in_a_diffuse_box_each_bounce_adds_a_power_of_the_albedo) {
     }
 }
 
+// What a contribution has too much of luminance is dimmed, its colour kept; what the camera sees is left alone, and direct light.
+TEST_F(ClosedForm, the_firefly_clamp_dims_what_comes_after_the_first_scattering) {
+    const BuiltinOptions box{.albedo = kAlbedo, .emission = glm::vec3(3.0f)};
+    const image::ImageF picture = builtin_picture(
+        "builtin:diffuse-box", {.view = {.width = kSize, .height = kSize, .max_bounces = 2, .roulette_start = kNoRoulette, .light_sampling = 2, .firefly_clamp = 1.0f}, .sample_count = 2}, box);
+    const glm::dvec3 rho(kAlbedo), first = 3.0 * rho, second = 3.0 * rho * rho, rec709(0.2126, 0.7152, 0.0722);
+    ASSERT_GT(glm::dot(first, rec709), 1.0);
+    ASSERT_LT(glm::dot(second, rec709), 1.0);
+    for (size_t c = 0; c < 3; ++c)
+        for (const float v : picture.plane(c)) ASSERT_NEAR(v, 3.0 + first[int(c)] / glm::dot(first, rec709) + second[int(c)], 1e-4) << "channel " << c;
+}
+
+// Shading normals lean so far that they face a lamp below the surface: neither light nor BSDF samples reach it.
+TEST_F(ClosedForm, no_light_from_below_a_surface_whatever_its_shading_normal) {
+    SceneEdit edit;
+    Primitive ground, lamp;
+    add_quad(ground, {-4.0f, 0.0f, 4.0f}, {8.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -8.0f});
+    ground.normals.assign(ground.positions.size(), glm::normalize(glm::vec3(0.8f, 0.6f, 0.0f)));
+    add_quad(lamp, {-4.0f, -0.5f, 4.0f}, {8.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -8.0f});
+    builtin::add_object(edit, "ground", std::move(ground), edit.add(builtin::lambert("ground", kAlbedo)));
+    builtin::add_object(edit, "lamp", std::move(lamp), edit.add(builtin::lambert("lamp", glm::vec3(0.0f), glm::vec3(5.0f))));
+    Stage stage(make_scene(std::move(edit)));
+    for (const uint32_t light_sampling : {0u, 1u, 2u}) {
+        Shot shot = from_above(16);
+        shot.view.light_sampling = light_sampling;
+        for (const float v : stage.picture(shot).data) ASSERT_EQ(v, 0.0f) << "light sampling " << light_sampling;
+    }
+}
+
 TEST_F(ClosedForm, a_diffuse_box_has_the_series_as_its_limit) {
     const BuiltinOptions box{.albedo = kAlbedo, .emission = glm::vec3(3.0f)};
     for (const uint32_t light_sampling : {0u, 2u}) {

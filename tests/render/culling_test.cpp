@@ -124,12 +124,16 @@ TEST_F(Culling, a_double_sided_surface_does_not_shade_itself) {
         edit.add(Instance{.mesh = edit.add(quad(edit, plain(true))), .place = {.node_from_object = placed}});
         edit.set_environment({.scale = glm::vec3(1.0f)});
         Stage stage(make_scene(std::move(edit)));
-        const glm::vec3 from(placed * glm::vec4(0.2f, 0.1f, 3.0f, 1.0f)), to(placed * glm::vec4(0.0f, 0.0f, 0.0f, 1.0f));
-        for (const gpu::TraceWay way : kWays) {
-            if (!device()->caps().supports(way)) continue;
-            // BSDF sampling in constant light has no noise.
-            const image::ImageF picture = stage.picture({.way = way, .view = {.width = 16, .height = 16, .light_sampling = 2}, .camera = look_at(from, to, 0.4f), .sample_count = 64});
-            for (const float v : picture.data) ASSERT_NEAR(v, 0.5f, 1e-5f) << gpu::trace_way_name(way);
+        const glm::vec3 to(placed * glm::vec4(0.0f, 0.0f, 0.0f, 1.0f));
+        for (const float side : {3.0f, -3.0f}) {
+            const glm::vec3 from(placed * glm::vec4(0.2f, 0.1f, side, 1.0f));
+            for (const gpu::TraceWay way : kWays) {
+                if (!device()->caps().supports(way)) continue;
+                // BSDF sampling in constant light has no noise. Without the correction, which would turn a normal to the viewer's side.
+                const ViewDesc view{.width = 16, .height = 16, .light_sampling = 2, .normal_correction = false};
+                const image::ImageF picture = stage.picture({.way = way, .view = view, .camera = look_at(from, to, 0.4f), .sample_count = 64});
+                for (const float v : picture.data) ASSERT_NEAR(v, 0.5f, 1e-5f) << gpu::trace_way_name(way) << " from " << side;
+            }
         }
     }
 }

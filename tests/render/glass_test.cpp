@@ -137,6 +137,39 @@ TEST_F(Glass, a_volume_inside_one_of_equal_priority_is_there) {
     expect_from_above(std::move(edit), glm::dvec3(stack.pass), 0.005);
 }
 
+// The same glass twice: what is left is the entry that was made last.
+TEST_F(Glass, a_volume_may_lie_in_another_that_lies_in_the_same) {
+    SceneEdit edit;
+    const Handle<Material> crown = edit.add(glass(1.5f)), flint = edit.add(glass(2.2f));
+    const auto slab = [&](Handle<Material> material, float bottom, float top) {
+        Primitive box;
+        add_box(box, {-3.0f, bottom, -3.0f}, {3.0f, top, 3.0f});
+        builtin::add_object(edit, "slab", std::move(box), material);
+    };
+    slab(crown, 0.0f, 1.0f);
+    slab(flint, 0.2f, 0.8f);
+    slab(crown, 0.4f, 0.6f);
+    add_floor(edit, glow(glm::vec3(1.0f)));
+    const Layers half = boundary(1, 1.5).over(boundary(1.5, 2.2)).over(boundary(2.2, 1.5)), other = boundary(1.5, 2.2).over(boundary(2.2, 1.5)).over(boundary(1.5, 1));
+    expect_from_above(std::move(edit), glm::dvec3(half.over(other).pass), 0.02, 32);
+}
+
+// Shadow rays end at boundaries that paths do not notice, so only the path's own light counts, and all of it: a floor under a lamp,
+// a slab of lower priority between them, everything in a volume of index 1. The camera looks through the lamp's back.
+TEST_F(Glass, behind_a_boundary_that_is_none_light_has_its_whole_weight) {
+    SceneEdit edit;
+    Primitive lamp, inner;
+    add_quad(lamp, {-3.0f, -3.5f, -3.0f}, {6.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 6.0f});
+    add_slab(edit, glass(1.0f, 1), -6.0f, 2.0f);
+    add_box(inner, {-2.5f, -4.6f, -2.5f}, {2.5f, -4.0f, 2.5f});
+    builtin::add_object(edit, "inner", std::move(inner), edit.add(glass(1.5f)));
+    add_floor(edit, builtin::lambert("floor", glm::vec3(0.5f)));
+    builtin::add_object(edit, "lamp", std::move(lamp), edit.add(glow(glm::vec3(2.0f))));
+    // The form factor of a square above its middle, side 4 times the distance (Howell's catalogue, B-3).
+    const double share = 4 / kPi * (2 / std::sqrt(5.0)) * std::atan(2 / std::sqrt(5.0));
+    expect_from_above(std::move(edit), glm::dvec3(0.5 * 2.0 * share), 0.02, 64);
+}
+
 // A lamp under water is seen by shadow rays under water, weakened by the way: the floor of a pool, seen through its surface.
 TEST_F(Glass, light_inside_a_volume_is_absorbed_on_its_way) {
     SceneEdit edit;
@@ -182,6 +215,19 @@ TEST_F(Glass, shadow_rays_pass_a_pane_weighted) {
         for (size_t c = 0; c < 3; ++c)
             for (const float v : picture.plane(c)) ASSERT_NEAR(v, cosine * (1 - fresnel(cosine)) * double(tint[int(c)]), 2e-5) << gpu::trace_way_name(way);
     }
+}
+
+// Whether a ray meets a translucent pane and whether it then passes are two decisions with a number each.
+TEST_F(Glass, a_translucent_pane_passes_what_is_not_there_and_its_share_of_what_is) {
+    SceneEdit edit;
+    Primitive sheet;
+    add_quad(sheet, {-4.0f, 2.0f, 4.0f}, {8.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -8.0f});
+    Material half = pane(glm::vec3(0.5f));
+    half.alpha_mode = AlphaMode::Blend;
+    half.base_color.a = 0.4f;
+    builtin::add_object(edit, "sheet", std::move(sheet), edit.add(std::move(half)));
+    add_floor(edit, glow(glm::vec3(1.0f)));
+    expect_from_above(std::move(edit), glm::dvec3(0.6 + 0.4 * 0.5 * (1 - fresnel(1.0))), 0.02, 32);
 }
 
 TEST_F(Glass, a_body_of_glass_casts_a_shadow) {

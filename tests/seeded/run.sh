@@ -1,52 +1,69 @@
 #!/usr/bin/env bash
-# Seeded bugs: applies each row of bugs.tsv to a copy of the shaders, compiles them into a pack of its own (PARHELION_SHADER_DIR)
-# and expects the named tests to fail. Prints the killing test. A missing barrier is seeded by the tests themselves
-# (each_barrier_left_out_draws_a_complaint), a wrong merge by a wrong film (merged_parts_are_the_whole_bit_for_bit).
-#     tests/seeded/run.sh BUILD_FOLDER [NAME...]
+# Seeded bugs: applies each row of bugs.tsv to a copy of the shaders, compiles those that read the file into a pack of its own
+# (PARHELION_SHADER_DIR) and expects the named tests to fail. Prints the killing test. A missing barrier is seeded by the tests
+# themselves (each_barrier_left_out_draws_a_complaint), a wrong merge by a wrong film (merged_parts_are_the_whole_bit_for_bit).
+#     tests/seeded/run.sh BUILD_FOLDER [NAME...]       the build must be up to date; JOBS bugs run side by side (all cores)
 set -u
 root=$(cd "$(dirname "$0")/../.." && pwd)
 build=$(cd "${1:?usage: run.sh BUILD_FOLDER [NAME...]}" && pwd)
 shift
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-alive=0 killed=0
 
-# Compiles every shader of pack $2 from the tree in $1 as the build's manifest lists them, into $1/$2.pack.
+# Makes $1/$2.pack: the build's, but what depends on file $3 is compiled from the tree in $1.
 compile_pack() {
-    local tree=$1 pack=$2 name variant stage spv source flags rest define
+    local tree=$1 pack=$2 file=$3 name variant stage spv source flags rest define changed=0
     : >"$tree/manifest.tsv"
     # A tab as separator would swallow the empty variant.
     while IFS='|' read -r name variant stage spv; do
         [ -n "$name" ] || continue
-        case $name in
-            scene/*) source=$tree/shaders/$name.$stage ;;
-            device/*) source=$(compgen -G "$tree/tests/device/shaders/${name#device/}.*" | grep -E "\.(comp|trace|$stage)\$") ;;
-            *) source=$(compgen -G "$tree/src/passes/$name.*" | grep -E '\.(comp|trace)$') ;;
-        esac
-        flags=() rest=$variant
-        case $variant in query*) flags+=(-DTRACE_QUERY) ;; compute*) flags+=(-DTRACE_COMPUTE) ;; pipeline*) flags+=(-DTRACE_PIPELINE) ;; esac
-        case $stage in rchit | rahit | rmiss) flags+=(-DTRACE_PIPELINE) ;; esac
-        while [ "$rest" != "${rest#*+}" ]; do rest=${rest#*+} define=${rest%%+*}; flags+=("-D$define"); done
-        glslc --target-env=vulkan1.3 "-fshader-stage=$stage" "${flags[@]}" -I "$tree/shaders" -I "$tree/src/passes" -o "$tree/$(basename "$spv")" "$source" || return 1
-        printf '%s\t%s\t%s\t%s\n' "$name" "$variant" "$stage" "$tree/$(basename "$spv")" >>"$tree/manifest.tsv"
+        if grep -qF "$root/$file" "$spv.d"; then
+            changed=1
+            case $name in
+                scene/*) source=$tree/shaders/$name.$stage ;;
+                device/*) source=$(compgen -G "$tree/tests/device/shaders/${name#device/}.*" | grep -E "\.(comp|trace|$stage)\$") ;;
+                *) source=$(compgen -G "$tree/src/passes/$name.*" | grep -E '\.(comp|trace)$') ;;
+            esac
+            flags=() rest=$variant
+            case $variant in query*) flags+=(-DTRACE_QUERY) ;; compute*) flags+=(-DTRACE_COMPUTE) ;; pipeline*) flags+=(-DTRACE_PIPELINE) ;; esac
+            case $stage in rchit | rahit | rmiss) flags+=(-DTRACE_PIPELINE) ;; esac
+            while [ "$rest" != "${rest#*+}" ]; do rest=${rest#*+} define=${rest%%+*}; flags+=("-D$define"); done
+            spv=$tree/$(basename "$spv")
+            glslc --target-env=vulkan1.3 "-fshader-stage=$stage" "${flags[@]}" -I "$tree/shaders" -I "$tree/src/passes" -o "$spv" "$source" || return 1
+        fi
+        printf '%s\t%s\t%s\t%s\n' "$name" "$variant" "$stage" "$spv" >>"$tree/manifest.tsv"
     done < <(tr '\t' '|' <"$build/shaders/$pack/manifest.tsv")
-    "$build/shader_pack" "$tree/manifest.tsv" "$tree/$pack.pack"
+    if [ "$changed" -eq 0 ]; then ln -s "$build/shaders/$pack/$pack.pack" "$tree/$pack.pack"; else "$build/shader_pack" "$tree/manifest.tsv" "$tree/$pack.pack"; fi
 }
 
-while IFS=$'\t' read -r name file from to program filter; do
-    case $name in '' | '#'*) continue ;; esac
-    if [ $# -gt 0 ] && ! printf '%s\n' "$@" | grep -qx "$name"; then continue; fi
-    tree=$work/$name
+# A test that fails anyway kills nothing.
+passes_without_bugs() { LP_NUM_THREADS=0 timeout 600 "$build/tests/$1" --gtest_filter="$2" >"$work/control.$BASHPID" 2>&1; }
+
+# One row of the table.
+try_bug() {
+    local name=$1 file=$2 from=$3 to=$4 program=$5 filter=$6 tree=$work/$1 out killer
     mkdir -p "$tree/src" "$tree/tests/device"
     cp -r "$root/tests/device/shaders" "$tree/tests/device/shaders"
     cp -r "$root/shaders" "$tree/shaders"
     cp -r "$root/src/passes" "$tree/src/passes"
-    FROM=$from TO=$to perl -0pi -e 's/\Q$ENV{FROM}\E/$ENV{TO}/ or die "the text is not there\n"' "$tree/$file" || { echo "$name: does not apply to $file"; alive=$((alive + 1)); continue; }
-    compile_pack "$tree" shaders && compile_pack "$tree" test_shaders || { echo "$name: does not compile"; alive=$((alive + 1)); continue; }
+    FROM=$from TO=$to perl -0pi -e 's/\Q$ENV{FROM}\E/$ENV{TO}/ or die "the text is not there\n"' "$tree/$file" || { echo "$name: does not apply to $file"; return; }
+    compile_pack "$tree" shaders "$file" && compile_pack "$tree" test_shaders "$file" || { echo "$name: does not compile"; return; }
     out=$(PARHELION_SHADER_DIR=$tree LP_NUM_THREADS=0 timeout 600 "$build/tests/$program" --gtest_filter="$filter" --gtest_fail_fast 2>&1)
     killer=$(grep -m1 -E '^\[  FAILED  \]' <<<"$out" | sed 's/^\[  FAILED  \] //; s/ (.*//; s/,.*//')
-    if [ -n "$killer" ]; then killed=$((killed + 1)); echo "$name: killed by $killer"; else alive=$((alive + 1)); echo "$name: SURVIVED"; fi
+    if [ -n "$killer" ] && ! passes_without_bugs "$program" "$killer"; then echo "$name: NOT TRIED, $killer fails without it"
+    elif [ -n "$killer" ]; then echo "$name: killed by $killer"; else echo "$name: SURVIVED ($(tail -n 1 <<<"$out"))"; fi
     rm -rf "$tree"
+}
+
+jobs=${JOBS:-$(nproc)} running=0
+while IFS=$'\t' read -r name file from to program filter; do
+    case $name in '' | '#'*) continue ;; esac
+    if [ $# -gt 0 ] && ! printf '%s\n' "$@" | grep -qxF -e "$name"; then continue; fi
+    if [ "$running" -ge "$jobs" ]; then wait -n; running=$((running - 1)); fi
+    try_bug "$name" "$file" "$from" "$to" "$program" "$filter" </dev/null 2>&1 | tee "$work/$name.verdict" &
+    running=$((running + 1))
 done <"$root/tests/seeded/bugs.tsv"
+wait
+killed=$(cat "$work"/*.verdict | grep -c ': killed by ') alive=$(cat "$work"/*.verdict | grep -vc ': killed by ')
 echo "$killed killed, $alive survived"
-[ "$alive" -eq 0 ]
+[ "$killed" -gt 0 ] && [ "$alive" -eq 0 ]

@@ -75,6 +75,7 @@ const image::FilmSums& builtin_film(const std::string& name, const Shot& shot, c
     const ViewDesc& v = shot.view;
     std::string key = fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {} {} {}", static_cast<const void*>(&stage), int(shot.way), v.width, v.height, v.seed, v.max_bounces, int(v.sampler),
                                   int(v.filter), v.roulette_start, v.light_sampling, shot.first_sample, shot.sample_count, shot.slice_rows, shot.slice_samples, v.aovs.size());
+    key += fmt::format(" {} {} {} {} {} {}", int(v.texture_lod), int(v.shade_in), v.energy_compensation, v.normal_correction, int(v.spawn_offset), v.firefly_clamp);
     for (const std::string& aov : v.aovs) key += ' ' + aov;
     if (shot.camera || shot.camera_at_close) return films[key] = stage.render(shot);
     const auto found = films.find(key);
