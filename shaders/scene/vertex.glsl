@@ -153,7 +153,8 @@ bool scatter(inout PathState path, Shading shading, float u_lobe, vec2 u, uint a
     if (!sides_agree(shading, next.wi, wi_ws)) return false;
     const vec3 weight = total(next.weight);
     if (path.path_class.bounce == 0u) {
-        path.path_class.diffuse_share = next.weight.diffuse / max(weight, vec3(1e-30));
+        // Exactly 1 where nothing else is, whatever the device makes of a quotient.
+        path.path_class.diffuse_share = mix(next.weight.diffuse / max(weight, vec3(1e-30)), vec3(1.0), equal(next.weight.diffuse, weight));
         path.path_class.transmitted = path.path_class.transmitted || next.wi.z < 0.0;
     }
     path.throughput *= weight;

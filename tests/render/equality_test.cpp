@@ -98,7 +98,7 @@ TEST_P(ShadeInHit, hit_and_miss_shaders_that_shade_draw_the_same_picture) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, ShadeInHit, ::testing::Values("cornell", "textured", "spheres", "glass"), [](const auto& scene) { return std::string(scene.param); });
-INSTANTIATE_TEST_SUITE_P(Scenes, Equality, ::testing::Values("cornell", "textured", "spheres"), [](const auto& scene) { return std::string(scene.param); });
+INSTANTIATE_TEST_SUITE_P(Scenes, Equality, ::testing::Values("cornell", "textured", "spheres", "glass"), [](const auto& scene) { return std::string(scene.param); });
 
 }  // namespace
 }  // namespace parhelion::testing
