@@ -4,6 +4,7 @@
 #ifndef PARHELION_LIB_BSDF_GLSL
 #define PARHELION_LIB_BSDF_GLSL
 #include "lib/bsdf_types.glsl"
+#include "lib/coated_glass.glsl"
 #include "lib/color.glsl"
 #include "lib/glass.glsl"
 #include "lib/glossy.glsl"
@@ -18,8 +19,8 @@ struct Bsdf {
     // Below: with LAYERS only.
     float glass_weight;   // of `glass` in the mixture; the base's weights are in it
     Glass glass;
-    bool inside;          // wo is in the volume behind the surface, where no layer lies
     Layers layers;
+    CoatedGlass coated;   // the glass, with the layers
 };
 
 // KHR_materials_ior and KHR_materials_specular: the colour scales the dielectric's reflectance at normal incidence, up to 1, and
@@ -36,9 +37,11 @@ Bsdf make_bsdf(BsdfParameters p, vec3 coat_normal, bool compensate, uint64_t tab
     bsdf.base = make_glossy(p.base_color * opaque, p.base_color, p.metallic, dielectric_f0, p.specular, opaque, p.roughness, compensate, tables);
 #ifdef LAYERS
     bsdf.glass_weight = (1.0 - p.metallic) * transmission;
-    if (bsdf.glass_weight > 0.0) bsdf.glass = make_glass(p.base_color, p.roughness, p.eta, p.specular, p.thin, compensate, tables);
-    bsdf.inside = transmission > 0.0 && !p.thin && p.eta > 0.0 && p.eta < 1.0;
-    bsdf.layers = make_layers(bsdf.base, p.coat, p.coat_roughness, coat_normal, p.sheen_color, p.sheen_roughness, compensate, tables);
+    if (bsdf.glass_weight > 0.0) bsdf.glass = make_glass(p.base_color, p.roughness, p.eta, p.specular, p.specular_color, p.thin, compensate, tables);
+    bsdf.layers = make_layers(bsdf.base, bsdf.glass_weight, p.coat, p.coat_roughness, coat_normal, p.sheen_color, p.sheen_roughness, compensate, tables);
+    bsdf.coated.inside = p.inside && transmission > 0.0 && !p.thin;
+    bsdf.coated.diffuse = false;
+    if (bsdf.glass_weight > 0.0) bsdf.coated = make_coated_glass(bsdf.glass, bsdf.layers, bsdf.base, bsdf.coated.inside);
 #endif
     return bsdf;
 }
@@ -78,7 +81,7 @@ LobeShares lobe_shares(Bsdf bsdf, vec3 wo, BsdfPlace o) {
     LobeShares s = kNoShares;
     float passes = 1.0;
 #ifdef LAYERS
-    const bool layered = is_layered(bsdf) && !bsdf.inside;
+    const bool layered = is_layered(bsdf) && !bsdf.coated.inside;
     if (layered) passes = o.layers.passes;
 #endif
     s.wide = passes * luminance(diffuse_albedo(bsdf.base, o.table) + again_albedo(bsdf.base, o.table));
@@ -91,7 +94,10 @@ LobeShares lobe_shares(Bsdf bsdf, vec3 wo, BsdfPlace o) {
         if (bsdf.base.delta) s.ggx = o.layers.leaves * luminance(single_albedo(bsdf.base.glossy, o.table));
         s.coat = max(o.layers.coat - l.coat * l.coat_again * o.layers.coat_loss, 0.0);
     }
-    if (has_glass(bsdf)) s.glass = passes * bsdf.glass_weight * glass_albedo(bsdf.glass, wo.z);
+    if (has_glass(bsdf)) {
+        s.glass = (layered ? o.layers.leaves : 1.0) * bsdf.glass_weight * glass_albedo(bsdf.glass, wo.z);
+        s.wide += bsdf.glass_weight * bsdf.coated.average;
+    }
 #endif
     const float sum = s.wide + s.ggx + s.coat + s.sheen + s.glass;
     if (s.wide > 0.0) s.wide = max(s.wide, 0.02 * sum);
@@ -102,7 +108,7 @@ LobeShares lobe_shares(Bsdf bsdf, vec3 wo, BsdfPlace o) {
     return LobeShares(s.wide * by, s.ggx * by, s.coat * by, s.sheen * by, s.glass * by);
 }
 
-// Value and density of all lobes that are no mirrors.
+// Value and density (per solid angle) of all lobes that are no mirrors.
 struct BsdfTerms {
     BsdfValue value;
     float pdf;
@@ -126,14 +132,12 @@ void add_layers(inout BsdfTerms terms, Bsdf bsdf, LobeShares shares, BsdfPlace o
     terms.pdf += shares.coat * pdf_ggx_reflection_solid_angle(h, co.z, l.coat_alpha);
 }
 
-// The clear coat lies on the outside: light that comes through the surface meets it where it is outside, at once or twice. What the
-// layers turn back of it is lost.
 void add_glass(inout BsdfTerms terms, Bsdf bsdf, LobeShares shares, BsdfPlace o, BsdfPlace i, vec3 wo, vec3 wi) {
     const GlassTerms glass = glass_terms(bsdf.glass, wo, wi);
     vec3 value = glass.value * bsdf.glass_weight;
     if (is_layered(bsdf)) {
-        if (!bsdf.inside) value *= o.layers.passes;
-        if (bsdf.inside != (wi.z > 0.0) || bsdf.glass.thin) value *= i.layers.passes;
+        value *= coated_passes(bsdf.glass, bsdf.coated, o.layers.leaves, i.layers.leaves, wi.z < 0.0);
+        if (wi.z > 0.0) value += bsdf.glass_weight * eval_coated(bsdf.glass, bsdf.coated, vec2(wo.z, wi.z), vec2(o.layers.leaves, i.layers.leaves));
     }
     if (wi.z < 0.0) terms.value.transmission += value;
     else terms.value.specular += value;
@@ -155,20 +159,19 @@ BsdfTerms bsdf_terms(Bsdf bsdf, LobeShares shares, BsdfPlace o, vec3 wo, vec3 wi
         }
     }
 #ifdef LAYERS
-    if (wi.z > 0.0 && is_layered(bsdf) && !bsdf.inside) add_layers(terms, bsdf, shares, o, i, wo, wi);
+    if (wi.z > 0.0 && is_layered(bsdf) && !bsdf.coated.inside) add_layers(terms, bsdf, shares, o, i, wo, wi);
     if (has_glass(bsdf)) add_glass(terms, bsdf, shares, o, i, wo, wi);
 #endif
     return terms;
 }
 
-BsdfValue eval_bsdf(Bsdf bsdf, vec3 wo, vec3 wi) {
-    return bsdf_terms(bsdf, kNoShares, bsdf_place(bsdf, wo), wo, wi).value;
-}
-
-float pdf_bsdf_solid_angle(Bsdf bsdf, vec3 wo, vec3 wi) {
+// Both at once, for who needs both.
+BsdfTerms evaluate_bsdf(Bsdf bsdf, vec3 wo, vec3 wi) {
     const BsdfPlace o = bsdf_place(bsdf, wo);
-    return bsdf_terms(bsdf, lobe_shares(bsdf, wo, o), o, wo, wi).pdf;
+    return bsdf_terms(bsdf, lobe_shares(bsdf, wo, o), o, wo, wi);
 }
+BsdfValue eval_bsdf(Bsdf bsdf, vec3 wo, vec3 wi) { return evaluate_bsdf(bsdf, wo, wi).value; }
+float pdf_bsdf_solid_angle(Bsdf bsdf, vec3 wo, vec3 wi) { return evaluate_bsdf(bsdf, wo, wi).pdf; }
 
 // A mirror's direction, with the weight of its lobe over the probability of having drawn it.
 BsdfSample delta_sample(vec3 wi, BsdfValue weight, uint lobe) { return BsdfSample(wi, weight, -1.0, lobe); }
@@ -182,13 +185,15 @@ BsdfSample sample_delta_coat(Bsdf bsdf, LobeShares shares, BsdfPlace o, vec3 wo)
     return delta_sample(wi, BsdfValue(vec3(0.0), weight, vec3(0.0)), kLobeSpecular);
 }
 
-BsdfSample sample_delta_glass(Bsdf bsdf, LobeShares shares, BsdfPlace o, vec3 wo, GlassSample glass) {
-    vec3 weight = glass.weight * bsdf.glass_weight / shares.glass;
+BsdfSample sample_delta_glass(Bsdf bsdf, LobeShares shares, BsdfPlace o, vec3 wo, float u_lobe) {
+    SmoothGlass smooth_shares = smooth_glass(bsdf.glass, wo);
     if (is_layered(bsdf)) {
-        const LayerPlace i = bsdf_place(bsdf, glass.wi).layers;
-        if (!bsdf.inside) weight *= o.layers.passes;
-        if (bsdf.inside != (glass.wi.z > 0.0) || bsdf.glass.thin) weight *= i.passes;
+        const vec3 mirrored = vec3(-wo.xy, wo.z), across = refract_smooth(bsdf.glass, wo);
+        const bool crosses = bsdf.coated.inside && max_component(smooth_shares.refracted) > 0.0;
+        smooth_shares = coated_smooth_glass(bsdf.glass, bsdf.coated, wo, o.layers.leaves, bsdf_place(bsdf, mirrored).layers.leaves, crosses ? bsdf_place(bsdf, across).layers.leaves : 0.0);
     }
+    const GlassSample glass = sample_smooth_glass(bsdf.glass, smooth_shares, wo, u_lobe);
+    const vec3 weight = glass.weight * bsdf.glass_weight / shares.glass;
     if (glass.wi.z < 0.0) return delta_sample(glass.wi, BsdfValue(vec3(0.0), vec3(0.0), weight), kLobeTransmission);
     return delta_sample(glass.wi, BsdfValue(vec3(0.0), weight, vec3(0.0)), kLobeSpecular);
 }
@@ -199,7 +204,7 @@ BsdfSample sample_delta_base(Bsdf bsdf, LobeShares shares, BsdfPlace o, vec3 wo)
     vec3 weight = fresnel_schlick(bsdf.base.glossy.f0, bsdf.base.glossy.f90, wo.z) / shares.ggx;
 #ifdef LAYERS
     // The coat's own normal may see the two directions differently.
-    if (is_layered(bsdf) && !bsdf.inside) weight *= sqrt(o.layers.leaves * bsdf_place(bsdf, wi).layers.leaves);
+    if (is_layered(bsdf) && !bsdf.coated.inside) weight *= sqrt(o.layers.leaves * bsdf_place(bsdf, wi).layers.leaves);
 #endif
     return delta_sample(wi, BsdfValue(vec3(0.0), weight, vec3(0.0)), kLobeSpecular);
 }
@@ -234,9 +239,9 @@ BsdfSample sample_bsdf(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u) {
         result.lobe = kLobeDiffuse;
     } else if (shares.glass > 0.0) {
         const float u_glass = min((u_lobe - (1.0 - shares.glass)) / shares.glass, 0.99999994);
+        if (bsdf.glass.delta) return sample_delta_glass(bsdf, shares, o, wo, u_glass);
         const GlassSample glass = sample_glass(bsdf.glass, wo, u_glass, u);
         if (glass.pdf == 0.0) return result;
-        if (glass.pdf < 0.0) return sample_delta_glass(bsdf, shares, o, wo, glass);
         result.wi = glass.wi;
         result.lobe = glass.wi.z < 0.0 ? kLobeTransmission : kLobeSpecular;
     }
@@ -249,19 +254,13 @@ BsdfSample sample_bsdf(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u) {
     return result;
 }
 
-// What passes straight through a smooth thin wall (no part of the lobes above, see scene/panes.glsl). The layers count on both of
-// its sides, as everywhere with thin walls: light may go either way.
-vec3 thin_transmittance(BsdfParameters p, float cos_o, uint64_t tables) {
+// What passes straight through a smooth thin wall (no part of the lobes above, see scene/panes.glsl): the same from both sides. Behind the
+// layers, seen by the wall's own normal, it is what they and the reflection leave.
+vec3 thin_transmittance(BsdfParameters p, float cos_o, bool compensate, uint64_t tables) {
 #ifdef LAYERS
-    const vec3 w = vec3(sqrt(max(1.0 - cos_o * cos_o, 0.0)), 0.0, cos_o);
-    const Bsdf bsdf = make_bsdf(p, vec3(0.0, 0.0, 1.0), true, tables);
+    const Bsdf bsdf = make_bsdf(p, vec3(0.0, 0.0, 1.0), compensate, tables);
     if (!has_glass(bsdf)) return vec3(0.0);
-    vec3 passing = bsdf.glass_weight * pane_transmittance(bsdf.glass, cos_o);
-    if (is_layered(bsdf)) {
-        const float passes = bsdf_place(bsdf, w).layers.passes;
-        passing *= passes * passes;
-    }
-    return passing;
+    return bsdf.glass_weight * pane_transmittance(bsdf.glass, cos_o) * (is_layered(bsdf) ? layers_pass(bsdf.layers, bsdf.base, cos_o, tables) : 1.0);
 #else
     return vec3(0.0);
 #endif

@@ -44,15 +44,15 @@ vec2 ggx_albedo(uint64_t tables, float cosine, float roughness) {
 vec2 ggx_albedo_average(uint64_t tables, float roughness) { return read_float_table(tables, kGgxAverageAt, table_axis(roughness, kGgxRoughness)); }
 
 // What rough glass scatters more than once of light from the side on which it has this cosine; eta: index beyond over index there.
-TableAxis glass_index_axis(float eta) { return table_axis(sqrt(abs(eta - 1.0) / ((eta + 1.0) * kGlassMaxReflection)), kGlassIndices); }
+TableAxis glass_index_axis(float eta, uint count) { return table_axis(sqrt(abs(eta - 1.0) / ((eta + 1.0) * kGlassMaxReflection)), count); }
 float glass_table(uint64_t tables, float cosine, float roughness, float eta, float specular) {
     const uint side = eta < 1.0 ? kGlassMu * kGlassRoughness * kGlassIndices : 0u;
-    const vec2 pair = read_table(tables, kGlassLossAt + side, table_axis(sqrt(sqrt(cosine)), kGlassMu), table_axis(sqrt(roughness), kGlassRoughness), glass_index_axis(eta),
+    const vec2 pair = read_table(tables, kGlassLossAt + side, table_axis(sqrt(sqrt(cosine)), kGlassMu), table_axis(sqrt(roughness), kGlassRoughness), glass_index_axis(eta, kGlassIndices),
                                  uvec2(kGlassMu, kGlassRoughness));
     return mix(pair.y, pair.x, specular);
 }
 float glass_average_table(uint64_t tables, float roughness, float eta, float specular) {
-    const TableAxis index = glass_index_axis(eta), along = table_axis(sqrt(roughness), kGlassRoughness);
+    const TableAxis index = glass_index_axis(eta, kGlassIndices), along = table_axis(sqrt(roughness), kGlassRoughness);
     const uint row = 2u * kGlassRoughness, at = kGlassAverageAt + (eta < 1.0 ? row * kGlassIndices : 0u) + index.index * row;
     const vec2 pair = mix(read_float_table(tables, at, along), read_float_table(tables, at + row, along), index.rest);
     return mix(pair.y, pair.x, specular);

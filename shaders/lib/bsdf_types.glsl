@@ -26,6 +26,7 @@ struct BsdfParameters {
     float transmission;            // KHR_materials_transmission
     bool thin;                     // the transmitting surface is a wall without thickness: no refraction, equal from both sides
     float eta;                     // index of refraction beyond the surface over that on wo's side
+    bool inside;                   // wo is in the volume behind the surface, where no layer lies
     float coat, coat_roughness;    // KHR_materials_clearcoat
     vec3 sheen_color;              // KHR_materials_sheen
     float sheen_roughness;

@@ -20,6 +20,7 @@ struct Glass {
     float alpha;     // GGX width
     float eta;       // index of refraction beyond over that on wo's side; 0: everything is reflected
     float specular;  // scales the reflectance, except where it is total
+    vec3 reflected_tint;  // of the reflectance at normal incidence; fades towards grazing and total reflection
     bool thin;       // a wall without thickness: what crosses is mirrored, not refracted
     bool delta;      // smooth: directions are exact. What a smooth wall lets pass straight is pane_transmittance(), not of the triple
     // What microfacets scatter more than once.
@@ -49,6 +50,13 @@ float glass_reflectance(Glass g, float cos_o) {
     if (g.eta == 1.0) return 0.0;
     const float eta_cos_i = refracted_eta_cosine(cos_o, g.eta);
     return eta_cos_i == 0.0 ? 1.0 : g.specular * fresnel_dielectric(cos_o, eta_cos_i / g.eta, g.eta);
+}
+
+// Its colour: as Schlick's formula blends f0 towards white (KHR_materials_specular), by what the reflectance itself says of the angle.
+// A function of the microfacet's angle, so it is the same in both directions.
+vec3 tint_reflectance(Glass g, float reflectance) {
+    const float r = (g.eta - 1.0) / (g.eta + 1.0), least = g.specular * r * r;
+    return reflectance * mix(g.reflected_tint, vec3(1.0), clamp((reflectance - least) / max(1.0 - least, 1e-6), 0.0, 1.0));
 }
 
 // What rough glass scatters more than once of light from this cosine, on wo's side or beyond: 1 - the albedo.
@@ -89,7 +97,7 @@ void compensate_glass(inout Glass g) {
 }
 
 // `tables` is the address of the directional albedos, of no matter without `compensate`.
-Glass make_glass(vec3 tint, float roughness, float eta, float specular, bool thin, bool compensate, uint64_t tables) {
+Glass make_glass(vec3 tint, float roughness, float eta, float specular, vec3 reflected_tint, bool thin, bool compensate, uint64_t tables) {
     const bool matched = abs(eta - 1.0) < kMatchedIndices, opaque = !(eta > 1e-3 && eta < 1e3);  // an index of 0: KHR_materials_ior
     Glass g;
     g.tint = tint;
@@ -97,6 +105,7 @@ Glass make_glass(vec3 tint, float roughness, float eta, float specular, bool thi
     g.alpha = roughness * roughness;
     g.eta = matched ? 1.0 : (opaque ? 0.0 : eta);
     g.specular = specular;
+    g.reflected_tint = min(reflected_tint, vec3(1.0));  // more would be taken from nowhere
     g.thin = thin;
     g.delta = roughness < kDeltaRoughness || (matched && !thin);
     g.compensated = compensate && !g.delta;
@@ -147,7 +156,7 @@ GlassTerms glass_mirrored(Glass g, vec3 wo, vec3 wi) {
     const float reflectance = glass_reflectance(g, dot(wo, h)), share = reflected_share(g, reflectance);
     const float d = ggx_distribution(h, g.alpha), lobe = d * ggx_visibility(cos_i, cos_o, g.alpha) * cos_i;
     const float pdf = d / ((1.0 + ggx_lambda(cos_o, g.alpha)) * 4.0 * cos_o);
-    if (wi.z > 0.0) return GlassTerms(vec3(reflectance * lobe), share * pdf);
+    if (wi.z > 0.0) return GlassTerms(tint_reflectance(g, reflectance) * lobe, share * pdf);
     return GlassTerms(g.tint * ((1.0 - reflectance) * lobe), (1.0 - share) * pdf);
 }
 
@@ -206,11 +215,21 @@ vec3 refract_glass(Glass g, vec3 wo, vec3 h) {
     return normalize((cos_oh - refracted_eta_cosine(cos_oh, g.eta)) * h - wo);
 }
 
-// A smooth surface reflects or refracts; a smooth wall reflects only (what passes is decided before).
-GlassSample sample_smooth_glass(Glass g, vec3 wo, float u_lobe) {
-    const float reflectance = glass_reflectance(g, wo.z), share = g.thin ? 1.0 : reflected_share(g, reflectance);
-    if (u_lobe < share) return GlassSample(vec3(-wo.xy, wo.z), vec3(reflectance / share), -1.0);
-    return GlassSample(refract_glass(g, wo, vec3(0.0, 0.0, 1.0)), g.tint * ((1.0 - reflectance) / ((1.0 - share) * g.eta * g.eta)), -1.0);
+// A smooth surface reflects or refracts these shares of the light; a smooth wall reflects only (what passes is decided before).
+struct SmoothGlass {
+    vec3 reflected, refracted;  // the latter without the square of the index
+};
+SmoothGlass smooth_glass(Glass g, vec3 wo) {
+    const float reflectance = glass_reflectance(g, wo.z);
+    return SmoothGlass(tint_reflectance(g, reflectance), g.thin ? vec3(0.0) : g.tint * (1.0 - reflectance));
+}
+vec3 refract_smooth(Glass g, vec3 wo) { return refract_glass(g, wo, vec3(0.0, 0.0, 1.0)); }
+
+GlassSample sample_smooth_glass(Glass g, SmoothGlass smooth_shares, vec3 wo, float u_lobe) {
+    const float reflected = luminance(smooth_shares.reflected), refracted = luminance(smooth_shares.refracted);
+    const float share = refracted > 0.0 ? min(reflected / (reflected + refracted), 1.0) : 1.0;
+    if (u_lobe < share) return GlassSample(vec3(-wo.xy, wo.z), smooth_shares.reflected / share, -1.0);
+    return GlassSample(refract_smooth(g, wo), smooth_shares.refracted / ((1.0 - share) * g.eta * g.eta), -1.0);
 }
 
 // Scattered once; no direction where the microfacets' neighbours would be met.
@@ -224,7 +243,7 @@ vec3 sample_glass_once(Glass g, vec3 wo, float u_side, vec2 u) {
 
 // u_lobe picks the lobe and the side, u the direction.
 GlassSample sample_glass(Glass g, vec3 wo, float u_lobe, vec2 u) {
-    if (g.delta) return sample_smooth_glass(g, wo, u_lobe);
+    if (g.delta) return sample_smooth_glass(g, smooth_glass(g, wo), wo, u_lobe);
     const float share = glass_once_share(g, wo.z, glass_loss(g, wo.z, false));
     vec3 wi;
     if (u_lobe < share) {

@@ -80,6 +80,14 @@ LayerPlace layer_place(Layers l, Glossy g, vec3 w, vec2 t, uint64_t tables) {
     return p;
 }
 
+// What the layers do not scatter of light from a cosine to both normals.
+float layers_pass(Layers l, Glossy g, float cosine, uint64_t tables) {
+    Layers flat_layers = l;
+    flat_layers.coat_normal = vec3(0.0, 0.0, 1.0);
+    const vec3 w = vec3(sqrt(max(1.0 - cosine * cosine, 0.0)), 0.0, cosine);
+    return layer_place(flat_layers, g, w, glossy_table(g, cosine, tables), tables).leaves;
+}
+
 // A layer's albedo averaged over the lobes of the surface below that look the same from everywhere: (again, Lambert).
 vec2 layer_averages(Glossy g, uint at, float average, float roughness, uint64_t tables) {
     if (!has_glossy(g)) return vec2(average);
@@ -95,10 +103,11 @@ const vec2 kNodes[10] = vec2[](vec2(0.139759864, 0.062361942), vec2(0.416409568,
                                vec2(0.039206252, 0.006105350), vec2(0.161599428, 0.050837624), vec2(0.311744553, 0.072657026), vec2(0.416129066, 0.119305251),
                                vec2(0.640000000, 0.364088889), vec2(0.911870934, 0.387005860));
 
-// N_average, and how much light that comes back down leaves a surface of its colour.
-void set_residual(inout Layers l, Glossy g, float turned_back_average, uint64_t tables) {
+// N_average, and how much light that comes back down leaves a surface of its colour; `glass`: weight of what is below besides, and takes
+// no light away.
+void set_residual(inout Layers l, Glossy g, float glass, float turned_back_average, uint64_t tables) {
     const uint first = l.sheen > 0.0 ? kCoatNodes : 0u, last = l.sheen > 0.0 ? kCoatNodes + kSheenNodes : kCoatNodes;
-    vec3 average = vec3(0.0), albedo = vec3(0.0);
+    vec3 average = vec3(0.0), albedo = vec3(glass);
     Layers flat_layers = l;
     flat_layers.coat_normal = vec3(0.0, 0.0, 1.0);
     for (uint k = first; k < last; ++k) {
@@ -114,7 +123,7 @@ void set_residual(inout Layers l, Glossy g, float turned_back_average, uint64_t 
     l.residual = mix(min(leaves, vec3(1.0)) / (kPi * max(average, vec3(1e-6))), vec3(0.0), lessThan(average, vec3(1e-6)));
 }
 
-Layers make_layers(Glossy g, float coat, float coat_roughness, vec3 coat_normal, vec3 sheen_color, float sheen_roughness, bool compensate, uint64_t tables) {
+Layers make_layers(Glossy g, float glass, float coat, float coat_roughness, vec3 coat_normal, vec3 sheen_color, float sheen_roughness, bool compensate, uint64_t tables) {
     Layers l;
     l.coat = coat;
     l.coat_roughness = coat_roughness;
@@ -153,7 +162,7 @@ Layers make_layers(Glossy g, float coat, float coat_roughness, vec3 coat_normal,
         l.over_diffuse += l.sheen_share * l.sheen * over.y;
         turned_back += l.sheen * mean;
     }
-    set_residual(l, g, turned_back, tables);
+    set_residual(l, g, glass, turned_back, tables);
     return l;
 }
 

@@ -93,9 +93,11 @@ LightSample sample_mesh_light(LightPick pick, Emitter emitter, vec3 x_ws, vec2 u
     if (cosine <= 0.0 && (material.flags & kMaterialDoubleSided) == 0u) return result;
     if (abs(cosine) < 1e-7) return result;
     AttributeArray attributes = AttributeArray(geometry.attributes);
-    const vec2 uv0 = interpolate(weights, attributes.v[index.x].uv0, attributes.v[index.y].uv0, attributes.v[index.z].uv0);
-    const vec2 uv1 = interpolate(weights, attributes.v[index.x].uv1, attributes.v[index.y].uv1, attributes.v[index.z].uv1);
-    result.radiance = material.emission * fetch_texture(material.emissive_texture, uv0, uv1, vec4(1.0)).rgb;
+    const VertexAttributes a0 = attributes.v[index.x], a1 = attributes.v[index.y], a2 = attributes.v[index.z];
+    const TexturePoint at = TexturePoint(interpolate(weights, a0.uv0, a1.uv0, a2.uv0), interpolate(weights, a0.uv1, a1.uv1, a2.uv1), kFullResolution);
+    result.radiance = material.emission * fetch_texture(material.emissive_texture, at).rgb;
+    if (kLayers && (material.flags & kMaterialCoated) != 0u)
+        result.radiance *= emission_through_coat(material, at, vertex_normal(instance, interpolate(weights, a0.normal, a1.normal, a2.normal), normal / double_area), result.wi);
     if ((geometry.flags & kAlphaModeMask) != kAlphaOpaque) {
         const float alpha = fetch_alpha(geometry, pick.triangle, barycentrics);
         result.radiance *= (geometry.flags & kAlphaModeMask) == kAlphaBlend ? alpha : float(alpha >= material.alpha_cutoff);

@@ -8,8 +8,10 @@
 bool is_pane(BsdfParameters p) { return p.thin && p.transmission > 0.0 && p.roughness < kDeltaRoughness; }
 
 // What passes straight, from either side: both normals are looked at as they are, so that a path and a shadow ray agree.
-vec3 pane_transmittance(Surface s, vec3 direction_ws) {
-    return is_pane(s.scattering) ? thin_transmittance(s.scattering, abs(dot(s.n_shading_ws, direction_ws)), scene.header.bsdf_tables) : vec3(0.0);
+vec3 pane_transmittance(ViewData view, Surface s, vec3 direction_ws) {
+    if (!is_pane(s.scattering)) return vec3(0.0);
+    const bool compensate = (view.flags & kViewEnergyCompensation) != 0u;
+    return thin_transmittance(s.scattering, abs(dot(s.n_shading_ws, direction_ws)), compensate, scene.header.bsdf_tables);
 }
 
 // The ray behind a surface that it passes.

@@ -6,9 +6,6 @@
 #include "scene/trace_light.glsl"
 #include "scene/vertex.glsl"
 
-// Told of every ray before it is traced; the pass that includes this file defines it, to count or keep them.
-void note_ray(Ray ray, uint kind);
-
 PathState begin_path(ViewData view, PathKey key) {
     PathSampler samples = make_sampler(key.pixel, key.sample_index, key.seed, view.sampler_kind, scene.header.sobol, scene.header.blue_noise);
     PathState path;
@@ -46,7 +43,6 @@ PathRadiance trace_path(ViewData view, uvec2 pixel, uint sample_index, inout Fir
         vertex = next_vertex(view, key, path, first);
         add_arriving(radiance, path_class, vertex.arriving);
         if (vertex.event.exists) {
-            note_ray(vertex.event.ray, kRayShadow);
             const vec3 passing = trace_light(view, vertex.event.ray);
             add_sampled(radiance, path_class, scale(vertex.event.value, passing));
         }

@@ -64,6 +64,7 @@ void fetch_layers(Material material, TexturePoint at, vec3 n_vertex_ws, vec4 tan
     s.scattering.transmission = 0.0;
     s.scattering.thin = (material.flags & kMaterialThin) != 0u;
     s.scattering.eta = material.ior;
+    s.scattering.inside = false;
     s.scattering.coat = 0.0;
     s.scattering.sheen_color = vec3(0.0);
     // Index 0 stands for a surface that reflects everything.
@@ -77,6 +78,20 @@ void fetch_layers(Material material, TexturePoint at, vec3 n_vertex_ws, vec4 tan
         s.scattering.sheen_color = material.sheen_color * fetch_texture(material.sheen_color_texture, at).rgb;
         s.scattering.sheen_roughness = material.sheen_roughness * fetch_texture(material.sheen_roughness_texture, at).a;
     }
+}
+
+// Share of the emission below a clear coat that gets out towards w, both normals unit (KHR_materials_clearcoat). By the interpolated
+// normal, without the coat's normal map, so that a point of a light and a ray that meets it agree.
+float emission_through_coat(Material material, TexturePoint at, vec3 n_vertex_ws, vec3 w) {
+    if (!kLayers || (material.flags & kMaterialCoated) == 0u) return 1.0;
+    return 1.0 - material.coat * fetch_texture(material.coat_texture, at).r * fresnel_schlick(vec3(kCoatF0), 1.0, abs(dot(n_vertex_ws, w))).x;
+}
+
+// Unit, from an interpolated one in object space.
+vec3 vertex_normal(Instance instance, vec3 n_object, vec3 n_geometric_ws) {
+    precise const vec3 n_world = transform_normal(instance.object_from_world, n_object);
+    precise const vec3 n = precise_dot(n_world, n_world) > 0.0 ? precise_normalize(n_world) : n_geometric_ws;
+    return n;
 }
 
 // `cone` is the ray's: how finely textures are read. Nothing else of the surface depends on it.
@@ -126,8 +141,7 @@ Surface fetch_surface(Hit hit, Ray ray, RayCone cone) {
                                                 cone_level(double_area_uv(a0.uv1, a1.uv1, a2.uv1), s.double_area_ws, width, cosine)));
     }
     const vec3 n_object = interpolate(weights, a0.normal, a1.normal, a2.normal);
-    const vec3 n_world = transform_normal(instance.object_from_world, n_object);
-    s.n_shading_ws = precise_dot(n_world, n_world) > 0.0 ? precise_normalize(n_world) : s.n_geometric_ws;
+    s.n_shading_ws = vertex_normal(instance, n_object, s.n_geometric_ws);
     const vec3 tangent = transform_vector(instance.world_from_object, interpolate(weights, a0.tangent.xyz, a1.tangent.xyz, a2.tangent.xyz));
     const TexturePoint at = TexturePoint(uv0, uv1, footprint);
     const vec3 n_vertex_ws = s.n_shading_ws;
@@ -144,7 +158,7 @@ Surface fetch_surface(Hit hit, Ray ray, RayCone cone) {
     s.scattering.specular_color = material.specular_color * fetch_texture(material.specular_color_texture, at).rgb;
     if (kLayers) fetch_layers(material, at, n_vertex_ws, tangent_ws, s);
     const bool emits = s.front_facing || (material.flags & kMaterialDoubleSided) != 0u;
-    s.emission = emits ? material.emission * fetch_texture(material.emissive_texture, at).rgb : vec3(0.0);
+    s.emission = emits ? material.emission * fetch_texture(material.emissive_texture, at).rgb * emission_through_coat(material, at, n_vertex_ws, ray.direction_ws) : vec3(0.0);
     if ((material.flags & kMaterialUnlit) != 0u) {  // shown as it is, not lit (KHR_materials_unlit); no light to sample, paths that meet it see it
         s.emission = s.scattering.base_color;
         s.scattering.base_color = vec3(0.0);

@@ -91,6 +91,7 @@ Shading make_shading(ViewData view, PathState path, Surface s, MediumBoundary bo
     const vec3 wo_ws = -path.ray.direction_ws;
     shading.s = s;
     shading.s.scattering.eta = boundary.eta;
+    shading.s.scattering.inside = !s.front_facing;
     shading.boundary = boundary;
     shading.n_geometric_ws = side * s.n_geometric_ws;
     shading.frame = make_frame(shading_normal(view, side * s.n_shading_ws, shading.n_geometric_ws, wo_ws));
@@ -116,10 +117,11 @@ NextEvent sample_next_event(ViewData view, PathState path, Shading shading, vec4
     if (light.pdf <= 0.0 || (view.light_sampling == kBsdfSamplingOnly && !light.is_delta)) return event;  // no ray can hit a delta light
     const vec3 wi = light.wi * shading.frame;
     if (!sides_agree(shading, wi, light.wi)) return event;
-    const BsdfValue value = eval_bsdf(shading.bsdf, shading.wo, wi);
+    const BsdfTerms terms = evaluate_bsdf(shading.bsdf, shading.wo, wi);
+    const BsdfValue value = terms.value;
     if (max_component(total(value)) <= 0.0) return event;
     float weight = 1.0;
-    if (!light.is_delta && view.light_sampling == kLightSamplingMis) weight = mis_power_heuristic(light.pdf, pdf_bsdf_solid_angle(shading.bsdf, shading.wo, wi));
+    if (!light.is_delta && view.light_sampling == kLightSamplingMis) weight = mis_power_heuristic(light.pdf, terms.pdf);
     vec3 arriving = path.throughput * light.radiance * (weight / light.pdf);
     event.ray = spawn_ray(shading.s, light.wi, kInfinity, alpha_key);
     if (!light.infinite) {
@@ -194,8 +196,8 @@ void pass_boundary(inout PathState path, Surface s, MediumBoundary boundary) {
 
 // Passes or stays before a pane, in proportion; the decision is a number of its own, because the path's next ones are the next
 // surface's too. True: it passed.
-bool pass_pane(inout PathState path, Surface s) {
-    const vec3 passing = pane_transmittance(s, path.ray.direction_ws);
+bool pass_pane(ViewData view, inout PathState path, Surface s) {
+    const vec3 passing = pane_transmittance(view, s, path.ray.direction_ws);
     const float share = min(max_component(passing), 1.0);
     const uint kPaneSalt = 0x50414E45u;
     if (hash_alpha(path.ray.alpha_key ^ kPaneSalt, s.instance, s.geometry, s.primitive) >= share) {
@@ -231,7 +233,7 @@ VertexResult shade_vertex(ViewData view, PathKey key, Hit hit, inout PathState p
                 result.goes_on = true;
                 return result;
             }
-        } else if (is_pane(s.scattering) && pass_pane(path, s)) {
+        } else if (is_pane(s.scattering) && pass_pane(view, path, s)) {
             result.goes_on = true;
             return result;
         }

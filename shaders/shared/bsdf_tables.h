@@ -55,7 +55,24 @@ SHARED_CONST uint kGlassLossAt = kGgxAt + kGgxWords + kLayersWords;
 SHARED_CONST uint kGlassAverageAt = kGlassLossAt + 2u * kGlassMu * kGlassRoughness * kGlassIndices;  // the same averaged over 2 cos: two floats each
 SHARED_CONST uint kGlassWords = 2u * kGlassMu * kGlassRoughness * kGlassIndices + 4u * kGlassRoughness * kGlassIndices;
 
-SHARED_CONST uint kBsdfTableWords = kGgxWords + kLayersWords + kGlassWords;
+// ---- bsdf_coated_glass.bin: what layers over rough glass turn back ----
+// The layers' albedo over x = sqrt(cosine) is known at kTurnedBasis points and interpolated piecewise by parabolas: the sum of its
+// values times functions phi_k(x). A table of each k: the mean of phi_k over a lobe, for whatever lies on top. Values v of -0.2 to 1 are kept as
+// (v + 0.2) / 1.2; pairs, axes and sides are those of bsdf_glass.bin, but from the denser side mu is densest around the critical angle's
+// cosine c, which is its middle: 1/2 + sqrt((cosine - c) / (1 - c)) / 2 above, acos(1 - 2 cosine / c) / (2 pi) below.
+SHARED_CONST uint kTurnedMu = 24u, kTurnedRoughness = 16u, kTurnedIndices = 8u, kTurnedBasis = 13u;
+SHARED_CONST uint kTurnedLobe = kTurnedMu * kTurnedRoughness * kTurnedIndices, kTurnedAverage = kTurnedRoughness * kTurnedIndices;
+// int phi_k over what crosses once (phi_k of the cosine beyond), and over what is reflected once; over (mu, roughness, index), for each side and k.
+SHARED_CONST uint kTurnedCrossingAt = kGlassLossAt + kGlassWords;
+SHARED_CONST uint kTurnedReflectedAt = kTurnedCrossingAt + 2u * kTurnedBasis * kTurnedLobe;
+// The mean of phi_k weighted by 2 cos loss, the loss being that of bsdf_glass.bin; over (roughness, index), for each side and k.
+SHARED_CONST uint kTurnedLossAt = kTurnedReflectedAt + 2u * kTurnedBasis * kTurnedLobe;
+// For walls: int phi_k over the white GGX lobe over (mu, roughness), and the mean of phi_k weighted by 2 cos loss over roughness, for each k; 0 in the high half.
+SHARED_CONST uint kTurnedMirroredAt = kTurnedLossAt + 2u * kTurnedBasis * kTurnedAverage;
+SHARED_CONST uint kTurnedMirroredLossAt = kTurnedMirroredAt + kTurnedBasis * kTurnedMu * kTurnedRoughness;
+SHARED_CONST uint kCoatedGlassWords = kTurnedMirroredLossAt + kTurnedBasis * kTurnedRoughness - kTurnedCrossingAt;
+
+SHARED_CONST uint kBsdfTableWords = kGgxWords + kLayersWords + kGlassWords + kCoatedGlassWords;
 
 SHARED_END
 #endif

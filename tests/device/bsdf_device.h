@@ -18,7 +18,7 @@ constexpr uint32_t kLobeNone = 3;
 struct BsdfSurface {
     glm::vec3 base_color{1.0f}, specular_color{1.0f}, sheen_color{0.0f}, coat_normal{0.0f, 0.0f, 1.0f};
     float metallic = 0, roughness = 0.5f, ior = 1.5f, specular = 1, transmission = 0, eta = 1.5f, coat = 0, coat_roughness = 0, sheen_roughness = 0;
-    uint32_t thin = 0, compensate = 1;
+    uint32_t thin = 0, compensate = 1, inside = 0;
 };
 struct BsdfInput {
     uint32_t surface;

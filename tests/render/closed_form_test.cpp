@@ -1,6 +1,9 @@
 // Pictures whose every pixel has a formula.
+#include <array>
 #include <cmath>
 #include <numbers>
+
+#include <fmt/format.h>
 
 #include "scene/builtin/scenes.h"
 #include "scene/shapes.h"
@@ -277,6 +280,40 @@ TEST_F(ClosedForm, a_coloured_specular_surface_reflects_by_its_definition) {
         const double diffuse = 0.75 * base / kPi * passes(1.0) * passes(cos_i) / passes_average, specular = schlick(f0, f90, cos_h) * ggx(cos_i, 1.0, cos_h, alpha);
         const double expected = 7.0 * cos_i * (diffuse + specular);
         for (const float v : picture.plane(c)) ASSERT_NEAR(v, expected, 1e-3 * expected) << "channel " << c;
+    }
+}
+
+// KHR_materials_clearcoat: emission * (1 - clearcoat * fresnel), seen at an angle.
+TEST_F(ClosedForm, a_clear_coat_dims_the_emission_below_it) {
+    for (const double tilt : {0.0, 1.2}) {
+        SceneEdit edit;
+        Material lamp = builtin::lambert("lamp", glm::vec3(0.0f), {2.0f, 3.0f, 4.0f});
+        lamp.clearcoat = 0.75f;
+        const glm::vec3 across(5.0f * std::cos(tilt), 5.0f * std::sin(tilt), 0.0f);
+        Primitive quad;
+        add_quad(quad, -0.5f * across + glm::vec3(0.0f, 0.0f, 4.0f), across, {0.0f, 0.0f, -8.0f});
+        builtin::add_object(edit, "lamp", std::move(quad), edit.add(std::move(lamp)));
+        Stage stage(make_scene(std::move(edit)));
+        Shot shot = from_above(1);
+        shot.camera = camera_from_above(5.0f, 0.1f);
+        const image::ImageF picture = stage.picture(shot);
+        for (const float v : picture.plane(1)) ASSERT_NEAR(v, 3.0 * (1 - 0.75 * schlick(0.04, 1.0, std::cos(tilt))), 1e-5) << tilt;
+    }
+}
+
+// KHR_materials_specular over transmission, straight from above: the coloured reflectance at normal incidence and what it leaves.
+TEST_F(ClosedForm, a_specular_colour_tints_what_glass_reflects) {
+    SceneEdit edit;
+    Material pane{.base_color = glm::vec4(1.0f), .metallic = 0.0f, .roughness = 0.0f, .specular_color = {0.25f, 1.0f, 0.5f}, .transmission = 1.0f};
+    Primitive quad;
+    add_quad(quad, {-4.0f, 0.0f, 4.0f}, {8.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -8.0f});
+    builtin::add_object(edit, "pane", std::move(quad), edit.add(std::move(pane)));
+    edit.set_environment({.scale = glm::vec3(1.0f)});
+    Stage stage(make_scene(std::move(edit)));
+    const image::ImageF picture = stage.picture(from_above(2048));
+    for (size_t c = 0; c < 3; ++c) {
+        const std::vector<double> all = values(picture, c);
+        expect_mean(all, 0.96 + 0.04 * std::array{0.25, 1.0, 0.5}[c], 0.001, fmt::format("channel {}", c));
     }
 }
 

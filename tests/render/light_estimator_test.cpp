@@ -72,6 +72,16 @@ TEST_F(LightEstimators, emissive_meshes_of_one_and_two_sides) {
     }
 }
 
+TEST_F(LightEstimators, a_lamp_under_a_clear_coat) {
+    SceneEdit edit;
+    Material coated = lamp(true);
+    coated.clearcoat = 1.0f;
+    Primitive quad;  // seen from the floor at grazing angles, where the coat takes most
+    add_quad(quad, {-1.5f, 0.1f, -1.2f}, {3.0f, 0.0f, 0.0f}, {0.0f, 1.2f, -0.1f});
+    builtin::add_object(edit, "lamp", std::move(quad), edit.add(std::move(coated)));
+    expect_same(std::move(edit), "coated");
+}
+
 TEST_F(LightEstimators, a_textured_emitter_whose_texels_are_mostly_black) {
     for (const uint32_t steps : {1u, 24u}) {
         SceneEdit edit;

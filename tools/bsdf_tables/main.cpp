@@ -20,6 +20,7 @@ constexpr Section kSections[] = {
     {"ggx", tables::make_ggx, parhelion::shared::kGgxWords},
     {"layers", tables::make_layers, parhelion::shared::kLayersWords},
     {"glass", tables::make_glass, parhelion::shared::kGlassWords},
+    {"coated_glass", tables::make_coated_glass, parhelion::shared::kCoatedGlassWords},
 };
 
 bool write(const Section& section) {

@@ -21,6 +21,7 @@ Words read_section(const char* name);  // a section that is written already
 Words make_ggx();
 Words make_layers();  // reads what make_ggx() wrote
 Words make_glass();
+Words make_coated_glass();
 
 inline double square(double x) { return x * x; }
 inline double schlick(double cosine) { return square(square(1 - cosine)) * (1 - cosine); }

@@ -10,7 +10,7 @@
 struct BsdfSurface {
     vec3 base_color, specular_color, sheen_color, coat_normal;
     float metallic, roughness, ior, specular, transmission, eta, coat, coat_roughness, sheen_roughness;
-    uint thin, compensate;
+    uint thin, compensate, inside;
 };
 struct BsdfInput {
     uint surface;
@@ -22,8 +22,8 @@ struct BsdfResult {
     uint lobe;
     vec3 value;          // eval of wi, all lobes
     float pdf_again;     // pdf of wi
-    vec3 value_swapped;  // eval with wi and wo exchanged
-    vec3 diffuse, specular, transmission;  // the value's parts; kind 2: of the albedo
+    vec3 value_swapped;  // eval with wi and wo exchanged, seen from wi's side
+    vec3 diffuse, specular, transmission;  // the value's parts; kind 2: of the albedo, of what crosses without the index squared
 };
 layout(local_size_x = 64) in;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Surfaces { BsdfSurface v[]; };
@@ -37,7 +37,7 @@ layout(push_constant, scalar) uniform Push {
     uint kind, count;
 } push;
 
-Bsdf bsdf_of(BsdfSurface s) {
+BsdfParameters parameters_of(BsdfSurface s) {
     BsdfParameters p;
     p.base_color = s.base_color;
     p.metallic = s.metallic;
@@ -52,8 +52,10 @@ Bsdf bsdf_of(BsdfSurface s) {
     p.coat_roughness = s.coat_roughness;
     p.sheen_color = s.sheen_color;
     p.sheen_roughness = s.sheen_roughness;
-    return make_bsdf(p, s.coat_normal, s.compensate != 0u, uint64_t(push.tables));
+    p.inside = s.inside != 0u;
+    return p;
 }
+Bsdf bsdf_of(BsdfSurface s) { return make_bsdf(parameters_of(s), s.coat_normal, s.compensate != 0u, uint64_t(push.tables)); }
 
 // Point n of a sequence with low discrepancy: in two dimensions (powers of the inverse of the root of x^3 = x + 1), and one by itself.
 vec3 point(uint n) {
@@ -84,7 +86,8 @@ void add_furnace(inout BsdfResult r, Bsdf bsdf, vec3 wo, uint count) {
             } else {
                 const float z = max(u.x * u.x, 1e-12), across = sqrt(1.0 - z * z), phi = 2.0 * kPi * u.y;
                 drawn.wi = vec3(across * cos(phi), across * sin(phi), z);
-                drawn.weight = scale(eval_bsdf(bsdf, wo, drawn.wi), vec3(1.0 / (pdf_bsdf_solid_angle(bsdf, wo, drawn.wi) + pdf_grazing(drawn.wi))));
+                const BsdfTerms terms = evaluate_bsdf(bsdf, wo, drawn.wi);
+                drawn.weight = scale(terms.value, vec3(1.0 / (terms.pdf + pdf_grazing(drawn.wi))));
             }
             sum = BsdfValue(sum.diffuse + drawn.weight.diffuse, sum.specular + drawn.weight.specular, sum.transmission + drawn.weight.transmission);
         }
@@ -115,7 +118,10 @@ void main() {
     }
     const Bsdf bsdf = bsdf_of(push.surfaces.v[given.surface]);
     if (push.kind == 2u) {
+        const BsdfSurface s = push.surfaces.v[given.surface];
         add_furnace(r, bsdf, given.wo, uint(given.given.x));
+        if (s.thin != 0u) r.transmission += thin_transmittance(parameters_of(s), given.wo.z, s.compensate != 0u, uint64_t(push.tables));
+        else r.transmission *= s.eta * s.eta;
         push.results.v[index] = r;
         return;
     }
@@ -126,12 +132,19 @@ void main() {
         r.pdf = s.pdf;
         r.lobe = s.lobe;
     }
-    const BsdfValue value = eval_bsdf(bsdf, given.wo, r.wi);
+    const BsdfTerms terms = evaluate_bsdf(bsdf, given.wo, r.wi);
+    const BsdfValue value = terms.value;
     r.value = total(value);
     r.diffuse = value.diffuse;
     r.specular = value.specular;
     r.transmission = value.transmission;
-    r.pdf_again = pdf_bsdf_solid_angle(bsdf, given.wo, r.wi);
-    r.value_swapped = r.wi.z > 0.0 ? total(eval_bsdf(bsdf, r.wi, given.wo)) : vec3(0.0);
+    r.pdf_again = terms.pdf;
+    BsdfSurface there = push.surfaces.v[given.surface];
+    if (r.wi.z < 0.0 && there.thin == 0u) {
+        there.eta = 1.0 / there.eta;
+        there.inside = 1u - there.inside;
+    }
+    const float side = r.wi.z < 0.0 ? -1.0 : 1.0;
+    r.value_swapped = total(eval_bsdf(bsdf_of(there), vec3(r.wi.xy, r.wi.z * side), vec3(given.wo.xy, given.wo.z * side)));
     push.results.v[index] = r;
 }

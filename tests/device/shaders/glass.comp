@@ -30,7 +30,7 @@ layout(push_constant, scalar) uniform Push {
     uint kind, count;
 } push;
 
-Glass glass_of(GlassInput g, float eta, bool compensate) { return make_glass(g.tint, g.roughness, eta, g.specular, g.thin != 0u, compensate, uint64_t(push.tables)); }
+Glass glass_of(GlassInput g, float eta, bool compensate) { return make_glass(g.tint, g.roughness, eta, g.specular, vec3(1.0), g.thin != 0u, compensate, uint64_t(push.tables)); }
 
 // Point n of a sequence with low discrepancy in three dimensions (powers of the inverse of the root of x^4 = x + 1).
 vec3 point(uint n) {
