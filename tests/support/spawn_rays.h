@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include <fmt/format.h>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/quaternion.hpp>
 
@@ -23,6 +24,7 @@ struct SpawnCounts {
         std::array<uint64_t, 2> leaks = {};  // started more than a hundredth of the triangle's longest edge away
     };
     std::array<Decade, kDecades> decades = {};
+    std::string met;  // the rays by error bounds that met their own triangle, one a line
 
     Decade total() const {
         Decade sum;
@@ -73,7 +75,11 @@ public:
         frame.trace("device/spawn", way).scene(stage_.scene_gpu.binding()).read("triangles", input).write("spawned", output).push(Push{.count = size, .seed = seed_}).over(size);
         const gpu::Buffer copy = frame.read_back(output);
         frame.run();
+        size_t ray = 0;
         for (const Spawned& s : copy.mapped_as<Spawned>()) {
+            const glm::uvec2 from = triangles[ray++];
+            if ((s.found & 1u) != 0)
+                counts.met += fmt::format("instance {}, triangle {}: largest coordinate {:g}, longest edge {:g}, started {:g} from its plane\n", from.x, from.y, s.size, s.edge, s.distances[0]);
             const int decade = std::clamp(static_cast<int>(std::floor(std::log10(std::max(s.size, 1e-30f)))) - SpawnCounts::kFirst, 0, SpawnCounts::kDecades - 1);
             SpawnCounts::Decade& sum = counts.decades[static_cast<size_t>(decade)];
             ++sum.rays;
