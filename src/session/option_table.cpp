@@ -88,7 +88,7 @@ const OptionSpec kOptions[] = {
     {.name = "--variant", .section = "Scene", .commands = kTakesScene, .kind = ValueKind::Text, .value = "NAME",
      .help = "the material variant of a glTF file to show (`parhelion info` lists them)"},
     {.name = "--triangles", .section = "Scene", .commands = kTakesScene, .kind = ValueKind::Integer, .value = "N",
-     .help = "about how many triangles builtin:forest has", .min = 1, .max = 2e9},
+     .help = "about how many triangles builtin:forest or builtin:room has", .min = 1, .max = 2e9},
     {.name = "--allow-external", .section = "Scene", .commands = kTakesScene,
      .help = "let the scene read files outside its own folder"},
 
