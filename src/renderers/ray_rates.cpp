@@ -76,7 +76,7 @@ std::vector<shared::Hit> RayBench::read_hits(RayKind kind) {
     if (kind != RayKind::Shadow) return read_all<shared::Hit>(frame_, hits_);
     const std::vector<uint32_t> words = read_all<uint32_t>(frame_, hits_);
     std::vector<shared::Hit> hits(host_rays_.size());
-    for (size_t i = 0; i < hits.size(); ++i) hits[i] = {.instance_bits = words[i] != 0 ? shared::kHitMiss : 0u};
+    for (size_t i = 0; i < hits.size(); ++i) hits[i].instance_bits = words[i] != 0 ? shared::kHitMiss : 0u;
     return hits;
 }
 
@@ -84,19 +84,21 @@ RayRates RayBench::measure(RayKind kind, std::span<const Tracer> tracers, const 
     if (host_rays_.empty() || host_kind_ != kind) host_rays_ = read_all<shared::DumpedRay>(frame_, rays_of(kind));
     host_kind_ = kind;
     const bool any_hit = kind == RayKind::Shadow;
-    RayRates rates{.kind = kind};
+    RayRates rates;
+    rates.kind = kind;
     for (const shared::DumpedRay& ray : host_rays_) rates.rays += ray.reach != 0.0f;
     const double none = double(host_rays_.size() - rates.rays), count = double(std::max<uint64_t>(rates.rays, 1));
 
     std::vector<shared::Hit> first;
     double slowest = 0;
     for (const Tracer& tracer : tracers) {
-        slowest = std::max(slowest, (trace(tracer, kind), trace(tracer, kind)));
+        trace(tracer, kind);  // compiles
+        slowest = std::max(slowest, trace(tracer, kind));
         std::vector<shared::Hit> hits = read_hits(kind);
         if (first.empty()) first = hits;
         double same = -none;
         for (size_t i = 0; i < hits.size(); ++i) same += same_hit(host_rays_[i], first[i], hits[i]);
-        rates.tracers.push_back({.name = tracer.name, .agreement = same / count});
+        rates.tracers.push_back({.name = tracer.name, .mrays_per_s = 0, .agreement = same / count});
     }
     for (const shared::Hit& hit : first) rates.hits += !is_miss(hit);
     std::vector<float> distances(outside ? host_rays_.size() : 0);
@@ -105,7 +107,7 @@ RayRates RayBench::measure(RayKind kind, std::span<const Tracer> tracers, const 
         double same = -none;
         for (size_t i = 0; i < distances.size(); ++i)
             same += host_rays_[i].reach == 0.0f || same_distance(host_rays_[i], is_miss(first[i]) ? INFINITY : first[i].t, distances[i]);
-        rates.tracers.push_back({.name = {}, .agreement = same / count});
+        rates.tracers.push_back({.name = {}, .mrays_per_s = 0, .agreement = same / count});
     }
     const size_t rounds = std::clamp(size_t(kTracerSeconds / std::max(slowest, 1e-6)), kLeastRounds, kMostRounds);
     std::vector<std::vector<double>> times(rates.tracers.size());

@@ -8,6 +8,7 @@
 
 #include "passes/bench/bench.h"
 #include "scene/types.h"
+#include "shared/hit.h"
 
 namespace parhelion {
 
