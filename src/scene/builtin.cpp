@@ -214,6 +214,8 @@ const Row kRows[] = {
     {{"builtin:reflections", "a hall of mirrors and metals of several roughnesses, after Bevy Solari's scene"}, builtin::make_reflections},
     {{"builtin:glass", "glass clear, rough, tinted and thin, water in a tumbler, a mirror, lacquer and velvet"}, builtin::make_glass},
     {{"builtin:leak-box", "closed dark boxes with walls of 1, 5 and 20 cm in a bright room"}, builtin::make_leak_box},
+    {{"builtin:room", "a closed room with bumpy spheres as one mesh, to measure rays (--triangles: 10,368, 249,600 or 1,997,568)"}, builtin::make_room},
+    {{"builtin:room-instanced", "the same triangles as a few meshes with many instances (--triangles likewise)"}, builtin::make_room_instanced},
     {{"builtin:textured", "textures, normal maps, alpha, mirrored and stretched instances, a point light and an emitting panel"},
      builtin::make_textured},
 };

@@ -34,7 +34,7 @@ struct BuiltinOptions {
     glm::vec3 emission{0.5f};  // diffuse-box: nits of every wall; furnace: nits of the environment
     float roughness = 1.0f;    // furnace: below 1 or with metallic the surface is not pure Lambert
     float metallic = 0.0f;
-    uint64_t triangles = 0;  // forest: about how many; 0: the scene's own choice
+    uint64_t triangles = 0;  // forest: about how many; room, room-instanced: which of their sizes; 0: the scene's own choice
 };
 
 // Throws a usage Error that lists all names.

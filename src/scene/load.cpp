@@ -51,8 +51,8 @@ LoadedScene load_builtin(const std::string& name, const LoadOptions& options) {
 }  // namespace
 
 LoadedScene load_scene(const std::string& name, const LoadOptions& options) {
-    if (options.builtin.triangles != 0 && name != "builtin:forest")
-        throw Error(ErrorCode::Usage, "only builtin:forest comes in every size", "--triangles", "leave the option out");
+    if (options.builtin.triangles != 0 && name != "builtin:forest" && name != "builtin:room" && name != "builtin:room-instanced")
+        throw Error(ErrorCode::Usage, "only builtin:forest and builtin:room come in several sizes", "--triangles", "leave the option out");
     if (is_builtin(name)) return load_builtin(name, options);
     if (!options.animate.empty())
         throw Error(ErrorCode::Usage, "scripted edits belong to built-in scenes", "--animate", "--animation plays an animation of a glTF file");

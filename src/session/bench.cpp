@@ -36,21 +36,9 @@ const Suite& find_suite(const OptionValues& values) {
     std::string names;
     for (const Suite& suite : suites()) {
         if (suite.name == name) return suite;
-        names += (names.empty() ? "" : " or ") + std::string(suite.name);
+        names += std::string(suite.name) + " or ";
     }
-    throw Error(ErrorCode::Usage, fmt::format("there is no suite '{}'", escape_name(name)), "bench", "use " + names);
-}
-
-std::vector<gpu::TraceWay> chosen_ways(const OptionValues& values, const gpu::DeviceCaps& caps) {
-    std::vector<gpu::TraceWay> ways;
-    for (const std::string& name : values.texts("--trace"))
-        ways.push_back(choose_trace_way(caps, name == "pipeline" ? TraceChoice::Pipeline
-                                              : name == "query"  ? TraceChoice::Query
-                                                                 : TraceChoice::Compute));
-    if (!ways.empty()) return ways;
-    for (const gpu::TraceWay way : {gpu::TraceWay::Pipeline, gpu::TraceWay::Query, gpu::TraceWay::Compute})
-        if (caps.supports(way)) ways.push_back(way);
-    return ways;
+    throw Error(ErrorCode::Usage, fmt::format("there is no suite '{}'", escape_name(name)), "bench", "use " + names + "trace");
 }
 
 RenderOptions job_options(const BenchCase& what, const std::vector<std::string>& assignments) {
@@ -69,6 +57,18 @@ RenderOptions job_options(const BenchCase& what, const std::vector<std::string>&
 
 }  // namespace
 
+std::vector<gpu::TraceWay> bench_ways(const OptionValues& values, const gpu::DeviceCaps& caps) {
+    std::vector<gpu::TraceWay> ways;
+    for (const std::string& name : values.texts("--trace"))
+        ways.push_back(choose_trace_way(caps, name == "pipeline" ? TraceChoice::Pipeline
+                                              : name == "query"  ? TraceChoice::Query
+                                                                 : TraceChoice::Compute));
+    if (!ways.empty()) return ways;
+    for (const gpu::TraceWay way : {gpu::TraceWay::Pipeline, gpu::TraceWay::Query, gpu::TraceWay::Compute})
+        if (caps.supports(way)) ways.push_back(way);
+    return ways;
+}
+
 std::vector<BenchCase> bench_cases(const OptionValues& values, const gpu::DeviceCaps& caps) {
     const Suite& suite = find_suite(values);
     std::vector<std::string> scenes = values.given("--scene") ? values.texts("--scene") : suite.scenes;
@@ -77,7 +77,7 @@ std::vector<BenchCase> bench_cases(const OptionValues& values, const gpu::Device
     const uint64_t spp = values.given("--spp") ? static_cast<uint64_t>(parse_int(values.text("--spp"), "--spp")) : suite.spp;
     std::vector<BenchCase> cases;
     for (const std::string& scene : scenes)
-        for (const gpu::TraceWay way : chosen_ways(values, caps)) {
+        for (const gpu::TraceWay way : bench_ways(values, caps)) {
             BenchCase what{scene, way, size, spp, suite.name == "replay"};
             cases.push_back(what);
             what.in_hit = suite.name == "reference" && way == gpu::TraceWay::Pipeline;

@@ -29,6 +29,9 @@ struct BenchRow {
     double seconds() const { return report.render_seconds; }
 };
 
+// The ways of --trace, else all that the device has. Throws MissingFeature for one that it lacks.
+std::vector<gpu::TraceWay> bench_ways(const OptionValues& values, const gpu::DeviceCaps& caps);
+
 // The cases of a suite on a device, or of the options' scenes, ways, size and spp; the suite `reference` also shades in both places. Throws a usage Error for an unknown suite, and
 // MissingFeature for a way that the device lacks.
 std::vector<BenchCase> bench_cases(const OptionValues& values, const gpu::DeviceCaps& caps);

@@ -7,10 +7,13 @@
 #include "base/log.h"
 #include "session/bench.h"
 #include "session/results.h"
+#include "session/trace_bench.h"
 
 namespace parhelion::cli {
 
 int run_bench(const OptionValues& values) {
+    if (!values.positionals.empty() && values.positionals.front() == "trace") return run_trace_bench_command(values, std::nullopt);
+    if (values.flag("--layouts")) throw Error(ErrorCode::Usage, "fits bench trace alone", "--layouts", "leave it out");
     const std::string json = values.given("--json") ? values.text("--json") : "";
     check_json_target(json);
     const gpu::DevicePtr device = gpu::Device::open({.selector = values.given("--device") ? values.text("--device") : ""});

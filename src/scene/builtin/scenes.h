@@ -25,5 +25,7 @@ LoadedScene make_leak_box(const BuiltinOptions& options);
 LoadedScene make_forest(const BuiltinOptions& options);
 LoadedScene make_glass(const BuiltinOptions& options);
 LoadedScene make_diorama(const BuiltinOptions& options);
+LoadedScene make_room(const BuiltinOptions& options);
+LoadedScene make_room_instanced(const BuiltinOptions& options);
 
 }  // namespace parhelion::builtin
