@@ -15,7 +15,7 @@ struct ShearedRay {
 // Corners as the ray sees them: the ray is the line x = y = 0; t = shear.z * z.
 struct ShearedTriangle {
     vec3 a, b, c;
-    float u, v, w;  // twice the signed areas opposite a, b, c. Each is >= 0 or <= 0 exactly when the exact area is.
+    float u, v, w;  // twice the signed areas opposite a, b, c
 };
 
 struct TriangleHit {
@@ -38,8 +38,13 @@ SHARED_FN ShearedRay make_sheared_ray(vec3 origin, vec3 direction) {
     return ray;
 }
 
-// What rounding took from a product, exactly: a b - p for p = round(a b). Veltkamp's splitting, Dekker 1971.
-SHARED_FN float product_error(float a, float b, float p) {
+// What rounding took from a product, exactly: a b - p for p = round(a b). `fused`: the device's fma() rounds once, which not all
+// promise. Otherwise by Veltkamp's splitting, Dekker 1971.
+SHARED_FN float product_error(float a, float b, float p, bool fused) {
+    if (fused) {
+        SHARED_PRECISE const float at_once = fma(a, b, -p);
+        return at_once;
+    }
     SHARED_PRECISE const float ca = 4097.0f * a, cb = 4097.0f * b;
     SHARED_PRECISE const float a_high = ca - (ca - a), b_high = cb - (cb - b);
     SHARED_PRECISE const float a_low = a - a_high, b_low = b - b_high;
@@ -48,18 +53,18 @@ SHARED_FN float product_error(float a, float b, float p) {
 }
 
 // a.x b.y - a.y b.x, good to a rounding or two even where the products cancel. Exactly antisymmetric.
-SHARED_FN float edge_area_accurate(vec3 a, vec3 b) {
+SHARED_FN float edge_area_accurate(vec3 a, vec3 b, bool fused) {
     SHARED_PRECISE const float left = a.x * b.y, right = a.y * b.x;
-    SHARED_PRECISE const float area = (left - right) + (product_error(a.x, b.y, left) - product_error(a.y, b.x, right));
+    SHARED_PRECISE const float area = (left - right) + (product_error(a.x, b.y, left, fused) - product_error(a.y, b.x, right, fused));
     return area;
 }
 
-// The same with the right sign only: rounding is monotonic, so only equal products hide it. Exactly antisymmetric: both
+// The same with the right sign only, or 0: rounding is monotonic, so only equal products hide it. Exactly antisymmetric: both
 // triangles at an edge take the same decision.
 SHARED_FN float edge_area(vec3 a, vec3 b) {
     SHARED_PRECISE const float left = a.x * b.y, right = a.y * b.x;
     SHARED_PRECISE const float area = left - right;
-    return area != 0.0f || left == 0.0f ? area : edge_area_accurate(a, b);
+    return area;
 }
 
 SHARED_FN vec3 shear_point(ShearedRay ray, vec3 p) {
@@ -69,15 +74,21 @@ SHARED_FN vec3 shear_point(ShearedRay ray, vec3 p) {
     return sheared;
 }
 
-SHARED_FN ShearedTriangle shear_triangle(ShearedRay ray, vec3 p0, vec3 p1, vec3 p2, bool accurate) {
+SHARED_FN ShearedTriangle shear_triangle(ShearedRay ray, vec3 p0, vec3 p1, vec3 p2) {
     ShearedTriangle s;
     s.a = shear_point(ray, p0);
     s.b = shear_point(ray, p1);
     s.c = shear_point(ray, p2);
-    s.u = accurate ? edge_area_accurate(s.c, s.b) : edge_area(s.c, s.b);
-    s.v = accurate ? edge_area_accurate(s.a, s.c) : edge_area(s.a, s.c);
-    s.w = accurate ? edge_area_accurate(s.b, s.a) : edge_area(s.b, s.a);
+    s.u = edge_area(s.c, s.b);
+    s.v = edge_area(s.a, s.c);
+    s.w = edge_area(s.b, s.a);
     return s;
+}
+
+SHARED_FN void make_accurate(SHARED_INOUT(ShearedTriangle) s, bool fused) {
+    s.u = edge_area_accurate(s.c, s.b, fused);
+    s.v = edge_area_accurate(s.a, s.c, fused);
+    s.w = edge_area_accurate(s.b, s.a, fused);
 }
 
 SHARED_FN bool surrounds_ray(ShearedTriangle s) { return min(s.u, min(s.v, s.w)) >= 0.0f || max(s.u, max(s.v, s.w)) <= 0.0f; }
@@ -94,17 +105,18 @@ SHARED_FN float plane_distance(ShearedRay ray, ShearedTriangle s) {
 }
 
 // The ray's line against the triangle; the caller looks at the range of t. Edges count as inside for both of their triangles,
-// so no ray slips between them. A triangle seen exactly edge-on is not hit.
-SHARED_FN bool intersect_watertight(ShearedRay ray, vec3 p0, vec3 p1, vec3 p2, SHARED_INOUT(TriangleHit) hit) {
-    ShearedTriangle s = shear_triangle(ray, p0, p1, p2, false);
+// so no ray slips between them. A triangle seen exactly edge-on is not hit. Areas of both signs decide at once, whatever one that
+// is 0 would be; the accurate ones are for the few rays left that need them, in one place: their registers cost every ray.
+SHARED_FN bool intersect_watertight(ShearedRay ray, vec3 p0, vec3 p1, vec3 p2, bool fused, SHARED_INOUT(TriangleHit) hit) {
+    ShearedTriangle s = shear_triangle(ray, p0, p1, p2);
     if (!surrounds_ray(s)) return false;
-    if (weighted_area(s) == 0.0f) return false;
     hit.t = plane_distance(ray, s);
     // Slivers amplify the areas' roundings. Where the ray begins near the triangle's plane they would decide on which side of it,
     // and a ray that leaves a sliver by its error bounds could meet it again.
-    if (abs(hit.t) < 0.01f * abs(ray.shear.z) * max(abs(s.a.z), max(abs(s.b.z), abs(s.c.z)))) {
-        s = shear_triangle(ray, p0, p1, p2, true);
-        if (weighted_area(s) == 0.0f) return false;
+    const bool near = abs(hit.t) < 0.01f * abs(ray.shear.z) * max(abs(s.a.z), max(abs(s.b.z), abs(s.c.z)));
+    if (s.u == 0.0f || s.v == 0.0f || s.w == 0.0f || near) {
+        make_accurate(s, fused);
+        if (!surrounds_ray(s) || weighted_area(s) == 0.0f) return false;
         hit.t = plane_distance(ray, s);
     }
     const float area = weighted_area(s);
@@ -135,7 +147,8 @@ SHARED_FN vec3 nearest_on_outline(ShearedTriangle s) {
 // the ray is taken. Accurate areas keep the weights right for slivers and grazing rays. Weights are >= 0 and so is 1 - x - y.
 SHARED_FN void intersect_canonical(vec3 origin, vec3 direction, vec3 p0, vec3 p1, vec3 p2, SHARED_INOUT(float) t, SHARED_INOUT(vec2) barycentrics) {
     const ShearedRay ray = make_sheared_ray(origin, direction);
-    const ShearedTriangle s = shear_triangle(ray, p0, p1, p2, true);
+    ShearedTriangle s = shear_triangle(ray, p0, p1, p2);
+    make_accurate(s, false);
     SHARED_PRECISE const float area = (s.u + s.v) + s.w;
     SHARED_PRECISE vec3 weights = vec3(s.u, s.v, s.w) / area;
     if (!surrounds_ray(s) || area == 0.0f) weights = nearest_on_outline(s);

@@ -81,7 +81,7 @@ SHARED_FN bool intersect_leaf(uint64_t triangles, uint index, ShearedRay sheared
         const BvhTriangle triangle = BvhTriangles(row_address(triangles, index, 48u)).v[0];
         rest = triangle.rest;
         TriangleHit hit;
-        if (!intersect_watertight(sheared, triangle.p0, triangle.p1, triangle.p2, hit)) continue;
+        if (!intersect_watertight(sheared, triangle.p0, triangle.p1, triangle.p2, false, hit)) continue;
         if (!(hit.t > ray.t_min) || !is_nearer(found, best, hit.t, instance, triangle.geometry, triangle.primitive)) continue;
         if (!accept_hit(ray.alpha_key, instance, triangle.geometry, triangle.primitive, hit.barycentrics, hit.front_facing)) continue;
         best.instance = instance;

@@ -9,6 +9,7 @@
 #include "shared/types.h"
 #ifdef __cplusplus
 #include <bit>
+#include <cmath>
 
 #define SHARED_FN inline
 #define SHARED_INOUT(T) T&
@@ -32,6 +33,7 @@ using glm::floor;
 using glm::max;
 using glm::min;
 using glm::uintBitsToFloat;
+inline float fma(float a, float b, float c) { return std::fma(a, b, c); }  // rounds once; glm's does not
 constexpr int findMSB(uint v) { return 31 - std::countl_zero(v); }
 constexpr int findLSB(uint v) { return v == 0u ? -1 : std::countr_zero(v); }
 constexpr uint bitfieldReverse(uint v) {

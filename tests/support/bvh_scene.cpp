@@ -64,7 +64,7 @@ bool trace_brute_force(const TestScene& scene, const shared::TraversalRay& ray, 
             for (uint32_t t = 0; t < mesh[g].triangles.size(); ++t) {
                 const glm::uvec3 index = mesh[g].triangles[t];
                 shared::TriangleHit hit;
-                if (!shared::intersect_watertight(sheared, mesh[g].positions[index.x], mesh[g].positions[index.y], mesh[g].positions[index.z], hit)) continue;
+                if (!shared::intersect_watertight(sheared, mesh[g].positions[index.x], mesh[g].positions[index.y], mesh[g].positions[index.z], false, hit)) continue;
                 // In order of the ids, so an equal distance never replaces what is there.
                 if (!(hit.t > ray.t_min && hit.t < best.t) || (accept && !accept(i, g, t, hit.barycentrics, hit.front_facing))) continue;
                 best = {i, g, t, hit.barycentrics, hit.t};

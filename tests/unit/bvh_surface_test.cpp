@@ -20,10 +20,14 @@ TEST(RayTriangle, edge_areas_have_the_exact_sign_and_are_antisymmetric) {
         // Nearly parallel, so that the products often round to the same number.
         const float factor = random.range(-2.0f, 2.0f);
         const glm::vec3 b = i % 4 == 0 ? random.in_cube(1.0f) : glm::vec3(a.x * factor, a.y * factor, 0.0f);
-        const float area = shared::edge_area(a, b);
-        hidden += a.x * b.y == a.y * b.x && area != 0.0f;
-        ASSERT_EQ(sign(area), sign(double(a.x) * b.y - double(a.y) * b.x)) << a.x << ' ' << a.y << ' ' << b.x << ' ' << b.y;
-        ASSERT_EQ(shared::edge_area(b, a), -area);
+        const int exact = sign(double(a.x) * b.y - double(a.y) * b.x);
+        const float quick = shared::edge_area(a, b), area = shared::edge_area_accurate(a, b, false);
+        hidden += quick == 0.0f && area != 0.0f;
+        ASSERT_EQ(sign(area), exact) << a.x << ' ' << a.y << ' ' << b.x << ' ' << b.y;
+        ASSERT_TRUE(quick == 0.0f || sign(quick) == exact) << a.x << ' ' << a.y << ' ' << b.x << ' ' << b.y;
+        ASSERT_EQ(shared::edge_area_accurate(a, b, true), area);
+        ASSERT_EQ(shared::edge_area(b, a), -quick);
+        ASSERT_EQ(shared::edge_area_accurate(b, a, false), -area);
     }
     EXPECT_GT(hidden, 10000) << "rounding has to hide the sign often for this to test anything";
 }
