@@ -11,7 +11,7 @@ SHARED_BEGIN
 SHARED_ARRAY_16(BvhTriangles, BvhTriangle)
 SHARED_ARRAY_16(BvhTopItems, BvhTopItem)
 
-// Whether a candidate counts: alpha and culling. Defined by whoever includes this file (scene/alpha.glsl). Front and back are
+// Whether a candidate on a geometry that is not opaque counts: alpha and culling. Defined by whoever includes this file (scene/alpha.glsl). Front and back are
 // judged in object space, as glTF wants it: a mirrored instance keeps its front side.
 SHARED_FN bool accept_hit(uint alpha_key, uint instance, uint geometry_of_mesh, uint primitive, vec2 barycentrics, bool front_facing);
 
@@ -74,8 +74,11 @@ SHARED_FN bool is_nearer(bool found, TraversalHit best, float t, uint instance, 
     return geometry != best.geometry ? geometry < best.geometry : primitive < best.primitive;
 }
 
+// Whether hits of a geometry count without being asked about (BvhTopItem::flags).
+SHARED_FN bool is_opaque(uint flags, uint geometry) { return ((flags >> min(geometry, kBvhOtherGeometries)) & 1u) != 0u; }
+
 // The triangles of a leaf; returns whether one of them is the nearest hit so far, in `best`.
-SHARED_FN bool intersect_leaf(uint64_t triangles, uint index, ShearedRay sheared, TraversalRay ray, uint instance, bool any, bool found, SHARED_INOUT(TraversalHit) best) {
+SHARED_FN bool intersect_leaf(uint64_t triangles, uint index, ShearedRay sheared, TraversalRay ray, uint instance, uint flags, bool any, bool found, SHARED_INOUT(TraversalHit) best) {
     uint rest = 1u;
     for (; rest != 0u; ++index) {
         const BvhTriangle triangle = BvhTriangles(row_address(triangles, index, 48u)).v[0];
@@ -83,7 +86,11 @@ SHARED_FN bool intersect_leaf(uint64_t triangles, uint index, ShearedRay sheared
         TriangleHit hit;
         if (!intersect_watertight(sheared, triangle.p0, triangle.p1, triangle.p2, hit)) continue;
         if (!(hit.t > ray.t_min) || !is_nearer(found, best, hit.t, instance, triangle.geometry, triangle.primitive)) continue;
-        if (!accept_hit(ray.alpha_key, instance, triangle.geometry, triangle.primitive, hit.barycentrics, hit.front_facing)) continue;
+        if (is_opaque(flags, triangle.geometry)) {
+            if (!hit.front_facing && (flags & kBvhCullBack) != 0u) continue;
+        } else if (!accept_hit(ray.alpha_key, instance, triangle.geometry, triangle.primitive, hit.barycentrics, hit.front_facing)) {
+            continue;
+        }
         best.instance = instance;
         best.geometry = triangle.geometry;
         best.primitive = triangle.primitive;
@@ -99,7 +106,7 @@ SHARED_FN bool intersect_leaf(uint64_t triangles, uint index, ShearedRay sheared
 SHARED_FN bool traverse(BvhAddresses bvh, uint layout_of_nodes, TraversalRay ray, bool any, SHARED_INOUT(TraversalHit) best) {
     uint stack[kBvhStackSize];
     float stack_t[kBvhStackSize];
-    uint height = 0u, bottom_height = 0u, current = 0u, instance = 0u;
+    uint height = 0u, bottom_height = 0u, current = 0u, instance = 0u, flags = 0u;
     bool found = false, in_bottom = false;
     uint64_t nodes = bvh.top_nodes;
     BoxRay box_ray = make_box_ray(ray.origin_ws, ray.direction_ws);
@@ -131,6 +138,7 @@ SHARED_FN bool traverse(BvhAddresses bvh, uint layout_of_nodes, TraversalRay ray
                 box_ray = make_box_ray(origin, direction);
                 sheared = make_sheared_ray(origin, direction);
                 instance = item.instance;
+                flags = item.flags;
                 nodes = bvh.bottom_nodes;
                 current = item.root;
                 bottom_height = height;
@@ -138,7 +146,7 @@ SHARED_FN bool traverse(BvhAddresses bvh, uint layout_of_nodes, TraversalRay ray
                 continue;
             }
         } else if (current != kBvhEmpty) {
-            found = intersect_leaf(bvh.bottom_triangles, current & kBvhItemMask, sheared, ray, instance, any, found, best);
+            found = intersect_leaf(bvh.bottom_triangles, current & kBvhItemMask, sheared, ray, instance, flags, any, found, best);
             if (any && found) return true;
         }
         // The next node that may still hold something nearer. Equal distances are visited, for is_nearer.

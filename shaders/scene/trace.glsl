@@ -1,6 +1,6 @@
 // The two trace functions, equal in all three ways, and the entry point of a tracing pass:
-//     Hit  trace_closest(Ray ray)
-//     bool trace_visible(Ray ray, uint moment)
+//     Hit  trace_closest(Ray ray [, uint mask])
+//     bool trace_visible(Ray ray, uint moment [, uint mask])
 // A tracing pass defines `void invoke(uvec2 id)`; it uses no shared memory, barrier, workgroup id or subgroup operation.
 #ifndef PARHELION_SCENE_TRACE_GLSL
 #define PARHELION_SCENE_TRACE_GLSL
@@ -22,6 +22,9 @@ void invoke(uvec2 id);
 #elif defined(TRACE_COMPUTE)
 #include "scene/trace_compute.glsl"
 #endif
+
+Hit trace_closest(Ray ray) { return trace_closest(ray, kAllInstances); }
+bool trace_visible(Ray ray, uint moment) { return trace_visible(ray, moment, kAllInstances); }
 
 #if defined(TRACE_PIPELINE)
 void main() { invoke(gl_LaunchIDEXT.xy); }

@@ -56,6 +56,12 @@ struct BvhTriangle {
     uint rest;       // triangles of the same leaf that follow; 0 ends the leaf
 };
 
+// BvhTopItem::flags. Bit g: geometry g of the mesh is opaque, its hits count unasked; the bit kBvhOtherGeometries stands for all from that
+// number on.
+SHARED_CONST uint kBvhOtherGeometries = 30u;
+SHARED_CONST uint kBvhOpaque = 0x7FFFFFFFu;    // every geometry
+SHARED_CONST uint kBvhCullBack = 0x80000000u;  // hits from behind on opaque ones do not count
+
 // An instance in the top level. Has its own transform, so that the previous frame's top level stays traceable:
 // p_object = (dot(row0, q), dot(row1, q), dot(row2, q)) with q = p_ws - origin_ws, which loses less far from the world's origin
 // than a product with a 3x4 matrix does.
@@ -67,7 +73,7 @@ struct BvhTopItem {
     vec3 row2;
     uint mask;      // rays whose mask shares no bit pass by
     vec3 origin_ws; // where the object's origin lies
-    uint pad;       // 64 bytes, four aligned loads
+    uint flags;     // below; 64 bytes, four aligned loads
 };
 
 // Where the levels lie on the device.

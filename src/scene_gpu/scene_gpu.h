@@ -31,6 +31,7 @@ struct SceneGpuStats {
     uint64_t triangles = 0, instanced_triangles = 0, emissive_triangles = 0;
     uint32_t meshes = 0, instances = 0, materials = 0, textures = 0, emitters = 0;
     double own_build_seconds = 0;  // host time of our bottom levels
+    double own_top_seconds = 0;    // and of the newest top level
     uint64_t own_bottom_bytes = 0, own_top_bytes = 0;  // of our own: nodes with triangles, nodes with instances
     std::string_view node_layout;                      // of our own, by name
     uint64_t bottom_bytes_built = 0, bottom_bytes = 0;  // the driver's bottom levels as they were built, and as they are now
