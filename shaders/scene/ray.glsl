@@ -5,6 +5,7 @@
 
 const uint kNow = 0u;     // moments of trace_visible
 const uint kBefore = 1u;  // the previous frame's scene
+const uint kAllInstances = 0xFFu;  // a ray mask: sees the instances whose mask shares a bit
 
 struct Ray {
     vec3 origin_ws;

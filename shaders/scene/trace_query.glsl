@@ -14,10 +14,10 @@ void run_query(rayQueryEXT query, uint alpha_key) {
     }
 }
 
-Hit trace_closest(Ray ray) {
+Hit trace_closest(Ray ray, uint mask) {
     rayQueryEXT query;
     const uint flags = scene.header.culling != 0u ? gl_RayFlagsCullBackFacingTrianglesEXT : gl_RayFlagsNoneEXT;
-    rayQueryInitializeEXT(query, top_now, flags, 0xFFu, ray.origin_ws, ray.t_min, ray.direction_ws, ray.t_max);
+    rayQueryInitializeEXT(query, top_now, flags, mask, ray.origin_ws, ray.t_min, ray.direction_ws, ray.t_max);
     run_query(query, ray.alpha_key);
     if (rayQueryGetIntersectionTypeEXT(query, true) == gl_RayQueryCommittedIntersectionNoneEXT) return make_miss();
     Hit hit;
@@ -30,13 +30,13 @@ Hit trace_closest(Ray ray) {
     return hit;
 }
 
-bool trace_visible(Ray ray, uint moment) {
+bool trace_visible(Ray ray, uint moment, uint mask) {
     rayQueryEXT query;
     const uint flags = gl_RayFlagsTerminateOnFirstHitEXT | (scene.header.culling != 0u ? gl_RayFlagsCullBackFacingTrianglesEXT : gl_RayFlagsNoneEXT);
     if (moment == kNow)
-        rayQueryInitializeEXT(query, top_now, flags, 0xFFu, ray.origin_ws, ray.t_min, ray.direction_ws, ray.t_max);
+        rayQueryInitializeEXT(query, top_now, flags, mask, ray.origin_ws, ray.t_min, ray.direction_ws, ray.t_max);
     else
-        rayQueryInitializeEXT(query, top_before, flags, 0xFFu, ray.origin_ws, ray.t_min, ray.direction_ws, ray.t_max);
+        rayQueryInitializeEXT(query, top_before, flags, mask, ray.origin_ws, ray.t_min, ray.direction_ws, ray.t_max);
     run_query(query, ray.alpha_key);
     return rayQueryGetIntersectionTypeEXT(query, true) == gl_RayQueryCommittedIntersectionNoneEXT;
 }

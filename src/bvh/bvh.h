@@ -41,11 +41,11 @@ struct TopItem {
     Box box_ws;
 };
 
-// `instance` is what hits report; rays see it if their mask shares a bit with `mask`.
-TopItem make_top_item(const Bottoms& bottoms, uint32_t mesh, const glm::mat4& world_from_object, uint32_t instance, uint32_t mask = 0xFFu);
+// `instance` is what hits report; rays see it if their mask shares a bit with `mask`; `flags` are BvhTopItem's.
+TopItem make_top_item(const Bottoms& bottoms, uint32_t mesh, const glm::mat4& world_from_object, uint32_t instance, uint32_t mask = 0xFFu, uint32_t flags = 0);
 
 // The same for a bottom level that lies elsewhere by now: its root, and the root's place in the node array.
-TopItem make_top_item(const shared::BvhNode& root_node, uint32_t root, const glm::mat4& world_from_object, uint32_t instance, uint32_t mask = 0xFFu);
+TopItem make_top_item(const shared::BvhNode& root_node, uint32_t root, const glm::mat4& world_from_object, uint32_t instance, uint32_t mask = 0xFFu, uint32_t flags = 0);
 
 struct Top {
     Nodes nodes;  // the root is node 0; an empty scene has one node with no children

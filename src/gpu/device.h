@@ -40,7 +40,7 @@ struct DeviceCaps {
 struct DeviceRequest {
     std::string selector;       // part of a name (any case) or an index; empty: PARHELION_DEVICE, else the best one
     bool validate = false;      // core and synchronisation validation; any message is counted and logged as an error
-    bool mask_ray_tracing = false;  // as if the device had no ray tracing extension at all
+    bool mask_ray_tracing = false;  // as if the device had no ray tracing extension at all; PARHELION_MASK masks them one by one, everywhere
 };
 
 // Handles of a host program. The device must have been made with the extensions and features listed by

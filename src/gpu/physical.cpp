@@ -1,5 +1,6 @@
 // What a physical device can do, what it lacks, and what we enable on it.
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 
 #include "gpu/internal.h"
@@ -154,6 +155,25 @@ void note_basics(const Instance& instance, PhysicalDevice& out) {
     if (!pick_queue(instance, out)) caps.missing.emplace_back("a queue for compute");
 }
 
+// Ways to trace that devices are taken not to have.
+struct Mask {
+    bool pipeline = false, query = false;
+};
+
+// PARHELION_MASK, a list of `pipeline` and `query`: for tests. Throws Error for another word.
+Mask mask_of_environment() {
+    Mask mask;
+    const char* environment = std::getenv("PARHELION_MASK");
+    for (std::string_view rest = environment ? environment : ""; !rest.empty();) {
+        const std::string_view word = rest.substr(0, rest.find(','));
+        rest.remove_prefix(std::min(rest.size(), word.size() + 1));
+        if (word == "pipeline") mask.pipeline = true;
+        else if (word == "query") mask.query = true;
+        else throw Error(ErrorCode::Usage, fmt::format("'{}' is no way to trace that can be masked", escape_name(word)), "PARHELION_MASK", "use pipeline, query or pipeline,query");
+    }
+    return mask;
+}
+
 // Which of the two ray tracing ways is there, with extension and feature. Also picks the extensions to enable.
 void pick_ray_tracing(const FeatureChain& has, const std::vector<std::string>& available, PhysicalDevice& out) {
     DeviceCaps& caps = out.caps;
@@ -221,10 +241,11 @@ PhysicalDevice inspect(const Instance& instance, VkPhysicalDevice handle, uint32
     const bool push = contains(available, VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME);
     if (push) out.extensions.emplace_back(VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME);
     else caps.missing.emplace_back(VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME);
-    const bool accel = !mask_ray_tracing && contains(available, VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME) &&
-                       contains(available, VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME);
+    const Mask mask = mask_ray_tracing ? Mask{true, true} : mask_of_environment();
+    const bool accel = contains(available, VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME) && contains(available, VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME);
     FeatureChain has;
-    has.link(accel && contains(available, VK_KHR_RAY_TRACING_PIPELINE_EXTENSION_NAME), accel && contains(available, VK_KHR_RAY_QUERY_EXTENSION_NAME));
+    has.link(accel && !mask.pipeline && contains(available, VK_KHR_RAY_TRACING_PIPELINE_EXTENSION_NAME),
+             accel && !mask.query && contains(available, VK_KHR_RAY_QUERY_EXTENSION_NAME));
     instance.vk.vkGetPhysicalDeviceFeatures2(handle, &has.core);
     pick_features(has, out.enabled, caps.missing);
     pick_ray_tracing(has, available, out);

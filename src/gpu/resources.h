@@ -136,6 +136,8 @@ struct TlasInstance {
 };
 static_assert(sizeof(TlasInstance) == 64);
 constexpr uint32_t kInstanceDisableCulling = 1;  // VK_GEOMETRY_INSTANCE_TRIANGLE_FACING_CULL_DISABLE_BIT_KHR
+constexpr uint32_t kInstanceForceOpaque = 4;     // VK_GEOMETRY_INSTANCE_FORCE_OPAQUE_BIT_KHR
+constexpr uint32_t kInstanceForceNoOpaque = 8;   // VK_GEOMETRY_INSTANCE_FORCE_NO_OPAQUE_BIT_KHR
 
 class AccelStruct {
 public:

@@ -124,6 +124,7 @@ void check_value(const Animation& animation) {
 
 void check_value(const Instance& instance) {
     if (!finite(instance.place.node_from_object)) throw Error(ErrorCode::Failed, "has a number that is not finite", "instance transform");
+    if (instance.ray_mask > 0xFFu) throw Error(ErrorCode::Failed, fmt::format("has the ray mask {:#x}", instance.ray_mask), "instance", "a ray mask has 8 bits");
 }
 
 void check_value(const Light& light) {

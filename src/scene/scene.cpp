@@ -50,11 +50,13 @@ bool drawable(const glm::mat4& world_from_object) {
     for (int column = 0; column < 4; ++column)
         for (int row = 0; row < 4; ++row)
             if (!std::isfinite(world_from_object[column][row])) return false;
-    // The inverse, in float, must be finite too.
-    const glm::dmat3 inverse = glm::inverse(glm::dmat3(glm::mat3(world_from_object)));
-    for (int column = 0; column < 3; ++column)
-        for (int row = 0; row < 3; ++row)
-            if (!(std::abs(inverse[column][row]) < 1e30)) return false;
+    // The inverse, in float, must be finite too: cofactors by the determinant.
+    const glm::dmat3 m{glm::mat3(world_from_object)};
+    const glm::dvec3 rows[3] = {glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1])};
+    const double most = 1e30 * std::abs(glm::dot(m[0], rows[0]));
+    for (const glm::dvec3& row : rows)
+        for (int i = 0; i < 3; ++i)
+            if (!(std::abs(row[i]) < most)) return false;
     return true;
 }
 

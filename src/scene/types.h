@@ -226,6 +226,13 @@ struct Placement {
     glm::mat4 world_from_object_before{1.0f};  // kept by Scene: one frame ago
 };
 
+// Which hits on an instance ask its materials whether they count (alpha masks and blending).
+enum class InstanceOpacity {
+    ByMaterial,  // those on materials that are not opaque
+    Opaque,      // none: masks have no holes
+    Asked,       // all; looks like ByMaterial
+};
+
 struct Instance {
     static constexpr std::string_view kTypeName = "instance";
     Handle<Mesh> mesh;  // at rest
@@ -233,6 +240,8 @@ struct Instance {
     Handle<Skin> skin;           // none: rigid
     std::vector<float> weights;  // of the mesh's morph targets now; empty: the mesh's own
     Handle<Mesh> posed;          // the mesh as skin and weights deform it, set by SceneEdit::set_pose; none: as it is at rest
+    uint32_t ray_mask = 0xFFu;   // rays see it if their mask, of 8 bits, shares one; renderers' rays have all of them
+    InstanceOpacity opacity = InstanceOpacity::ByMaterial;
     Handle<Mesh> drawn_mesh() const { return posed ? posed : mesh; }
 };
 

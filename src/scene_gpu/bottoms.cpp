@@ -11,25 +11,18 @@ namespace parhelion {
 
 namespace {
 
-struct DriverFlags {
-    std::vector<bool> opaque;  // by part
-    bool cull_by_flag = false;
-};
-
 bool never_culled(const Material& material) { return material.double_sided || (material.transmission > 0.0f && !material.unlit); }
 
-// The driver culls by a flag of the whole instance. A mesh that mixes single- and double-sided geometries is not culled by it;
-// any-hit does it there, so its single-sided geometries are not opaque to the driver.
-DriverFlags driver_flags(const Scene& scene, const Mesh& mesh, bool culling) {
+}  // namespace
+
+OpacityFlags opacity_flags(const Scene& scene, const Mesh& mesh, bool culling) {
     const auto material = [&](const Primitive& p) -> const Material& { return scene.get(p.material); };
-    DriverFlags flags;
+    OpacityFlags flags;
     flags.cull_by_flag = culling && std::ranges::none_of(mesh.primitives, [&](const Primitive& p) { return never_culled(material(p)); });
     const bool any_hit_culls = culling && !flags.cull_by_flag;
     for (const Primitive& p : mesh.primitives) flags.opaque.push_back(material(p).alpha_mode == AlphaMode::Opaque && !(any_hit_culls && !never_culled(material(p))));
     return flags;
 }
-
-}  // namespace
 
 // ---- ours ----
 
@@ -65,7 +58,7 @@ void SceneGpu::State::build_own_bottoms(Frame& frame, Slice& slice) {
             mesh.own_triangle_count = mesh.own_host->triangles.size();
             mesh.own_nodes = bottom_nodes.take(frame, mesh.own_node_count);
             mesh.own_triangles = bottom_triangles.take(frame, mesh.own_triangle_count);
-            if (mesh.own_nodes + mesh.own_node_count > shared::kBvhItemMask || mesh.own_triangles + mesh.own_triangle_count > shared::kBvhItemMask)
+            if (mesh.own_nodes + mesh.own_node_count >= shared::kBvhItemMask || mesh.own_triangles + mesh.own_triangle_count >= shared::kBvhItemMask)
                 throw Error(ErrorCode::Failed, "the scene has more than 2^31 triangles", "own BVH", "trace by pipeline or query");
             mesh.own_root = mesh.own_host->nodes.read(mesh.own_host->roots.front());
         }
@@ -87,7 +80,7 @@ void SceneGpu::State::build_driver_bottoms(Frame& frame, Slice& slice) {
     for (const Handle<Mesh> handle : wanted_meshes) {
         MeshOnDevice& mesh = meshes.at(handle);
         if (!mesh.uploaded) continue;
-        DriverFlags flags = driver_flags(*scene, scene->get(handle), options.culling);
+        OpacityFlags flags = opacity_flags(*scene, scene->get(handle), options.culling);
         if (mesh.blas && mesh.opaque == flags.opaque) {
             mesh.cull_by_flag = flags.cull_by_flag;
             continue;

@@ -49,8 +49,10 @@ uint64_t bytes_of(const Mesh& mesh) {
 // By index of the handle: the meshes that some instance draws.
 std::vector<bool> drawn_meshes(const Scene& scene) {
     std::vector<bool> drawn(scene.meshes().slot_count(), false);
-    for (const auto& [handle, instance] : scene.instances())
-        if (drawable(instance.place.world_from_object)) drawn[instance.drawn_mesh().index] = true;
+    for (const auto& [handle, instance] : scene.instances()) {
+        const uint32_t mesh = instance.drawn_mesh().index;
+        if (!drawn[mesh] && drawable(instance.place.world_from_object)) drawn[mesh] = true;
+    }
     return drawn;
 }
 

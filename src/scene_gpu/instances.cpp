@@ -1,115 +1,184 @@
 // Where things stand: instance rows and the top levels, made anew whenever something moved. Top levels alternate between two
 // sets of storage, so that the previous frame's stays traceable.
 #include <algorithm>
+#include <chrono>
 #include <functional>
 
-#include <glm/gtc/matrix_inverse.hpp>
-
 #include "base/error.h"
+#include "base/parallel.h"
 #include "scene_gpu/state.h"
 
 namespace parhelion {
 
 namespace {
 
+constexpr size_t kGrain = 1024;
+
 shared::Affine to_affine(const glm::mat4& m) {
     return {{m[0][0], m[1][0], m[2][0], m[3][0]}, {m[0][1], m[1][1], m[2][1], m[3][1]}, {m[0][2], m[1][2], m[2][2], m[3][2]}};
 }
 
-gpu::TlasInstance to_tlas(const shared::Instance& row, const MeshOnDevice& mesh, uint32_t index) {
+shared::Affine inverse_affine(const glm::mat4& m) {
+    const glm::dmat3 inverse = glm::inverse(glm::dmat3(glm::mat3(m)));
+    const glm::dvec3 origin = inverse * -glm::dvec3(m[3]);
+    const auto row = [&](int r) { return glm::vec4(inverse[0][r], inverse[1][r], inverse[2][r], origin[r]); };
+    return {row(0), row(1), row(2)};
+}
+
+gpu::TlasInstance to_tlas(const shared::Instance& row, InstanceOpacity opacity, const MeshOnDevice& mesh, uint32_t index) {
     gpu::TlasInstance out{};
     const glm::vec4 rows[3] = {row.world_from_object.row0, row.world_from_object.row1, row.world_from_object.row2};
     for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 4; ++c) out.world_from_object[4 * r + c] = rows[r][c];
     out.custom_index_and_mask = index | row.mask << 24;
     // Vulkan and glTF agree on the front side (counter-clockwise, seen right-handed) and judge it in object space.
-    const uint32_t flags = mesh.cull_by_flag ? 0u : gpu::kInstanceDisableCulling;
+    uint32_t flags = mesh.cull_by_flag ? 0u : gpu::kInstanceDisableCulling;
+    if (opacity == InstanceOpacity::Opaque) flags |= gpu::kInstanceForceOpaque;
+    if (opacity == InstanceOpacity::Asked) flags |= gpu::kInstanceForceNoOpaque;
     out.sbt_offset_and_flags = flags << 24;
     out.blas_address = mesh.blas.address();
     return out;
 }
 
+// BvhTopItem::flags of a mesh.
+uint32_t own_flags(const OpacityFlags& of_mesh) {
+    uint32_t flags = of_mesh.cull_by_flag ? shared::kBvhCullBack : 0u;
+    bool others = true;
+    for (uint32_t g = 0; g < of_mesh.opaque.size(); ++g) {
+        if (g < shared::kBvhOtherGeometries) flags |= uint32_t(of_mesh.opaque[g]) << g;
+        else others &= of_mesh.opaque[g];
+    }
+    return flags | uint32_t(others) << shared::kBvhOtherGeometries;
+}
+
+uint32_t own_flags(uint32_t of_mesh, InstanceOpacity opacity) {
+    if (opacity == InstanceOpacity::Opaque) return of_mesh | shared::kBvhOpaque;
+    return opacity == InstanceOpacity::Asked ? of_mesh & ~shared::kBvhOpaque : of_mesh;
+}
+
 }  // namespace
 
 // An instance keeps its row while it is drawn. A row that it leaves keeps its contents for one frame, because the previous frame's
-// top level still points at it, and is then given to another.
-void SceneGpu::State::assign_instance_rows() {
-    const std::unordered_map<Handle<Instance>, uint32_t> rows_before = std::move(instance_rows);
+// top level still points at it, and is then given to another. Returns the rows in use, in order.
+std::vector<uint32_t> SceneGpu::State::assign_instance_rows() {
+    const SlotMap<Instance>& all = scene->instances();
+    const std::vector<InstanceRow> rows_before = std::move(instance_rows);
     free_rows.insert(free_rows.end(), left_rows.begin(), left_rows.end());
     std::sort(free_rows.begin(), free_rows.end(), std::greater<>());
     left_rows.clear();
-    instance_rows.clear();
-    for (const auto& [handle, instance] : scene->instances()) {
-        if (!drawable(instance.place.world_from_object) || scene->get(instance.drawn_mesh()).triangle_count == 0) continue;
-        const auto kept = rows_before.find(handle);
-        uint32_t row = static_cast<uint32_t>(instances.size());
-        if (kept != rows_before.end()) {
-            row = kept->second;
-        } else if (!free_rows.empty()) {
-            row = free_rows.back();
-            free_rows.pop_back();
-        }
-        if (row == instances.size()) instances.emplace_back();
-        instance_rows[handle] = row;
-    }
+    instance_rows.assign(all.slot_count(), {});
     instance_handles.assign(instances.size(), {});
-    for (const auto& [handle, row] : instance_rows) instance_handles[row] = handle;
-    for (const auto& [handle, row] : rows_before)
-        if (!instance_handles[row]) left_rows.push_back(row);
+    std::vector<Handle<Instance>> new_ones;
+    for (const auto& [handle, instance] : all) {
+        if (!drawable(instance.place.world_from_object) || scene->get(instance.drawn_mesh()).triangle_count == 0) continue;
+        const InstanceRow old = handle.index < rows_before.size() ? rows_before[handle.index] : InstanceRow{};
+        if (old.generation != handle.generation) {
+            new_ones.push_back(handle);
+            continue;
+        }
+        instance_rows[handle.index] = old;
+        instance_handles[old.row] = handle;
+    }
+    for (const Handle<Instance> handle : new_ones) {
+        auto row = static_cast<uint32_t>(instance_handles.size());
+        if (free_rows.empty()) instance_handles.emplace_back();
+        else row = free_rows.back(), free_rows.pop_back();
+        instance_rows[handle.index] = {handle.generation, row};
+        instance_handles[row] = handle;
+    }
+    for (const InstanceRow& old : rows_before)
+        if (old.generation != 0 && !instance_handles[old.row]) left_rows.push_back(old.row);
+    instances.resize(instance_handles.size());
+    std::vector<uint32_t> drawn;
+    drawn.reserve(all.size());
+    for (uint32_t row = 0; row < instance_handles.size(); ++row)
+        if (instance_handles[row]) drawn.push_back(row);
+    return drawn;
+}
+
+// The mesh that each of these rows draws.
+std::vector<MeshOnDevice*> SceneGpu::State::note_drawn(std::span<const uint32_t> drawn) {
+    std::vector<MeshOnDevice*> by_index(scene->meshes().slot_count(), nullptr), out;
+    for (const Handle<Mesh> handle : wanted_meshes) by_index[handle.index] = &meshes.at(handle);
+    out.reserve(drawn.size());
+    stats.instanced_triangles = 0;
+    for (const uint32_t row : drawn) {
+        MeshOnDevice* mesh = by_index[scene->get(instance_handles[row]).drawn_mesh().index];
+        mesh->drawn_at = published + 1;
+        stats.instanced_triangles += mesh->triangle_count;
+        out.push_back(mesh);
+    }
+    return out;
 }
 
 void SceneGpu::State::place_instances() {
-    assign_instance_rows();
-    geometry_emitter_rows.clear();
-    std::vector<gpu::TlasInstance> driver;
-    std::vector<bvh::TopItem> own;
-    next = {};
-    stats.instanced_triangles = 0;
-    for (uint32_t index = 0; index < instances.size(); ++index) {
-        if (!instance_handles[index]) continue;
-        const Instance& instance = scene->get(instance_handles[index]);
-        const glm::mat4& world = instance.place.world_from_object;
-        MeshOnDevice& on_device = meshes.at(instance.drawn_mesh());
-        on_device.drawn_at = published + 1;
-        const auto geometry_count = static_cast<uint32_t>(on_device.parts.size());
-        const glm::mat4 inverse(glm::inverse(glm::dmat4(world)));
-        instances[index] = {.world_from_object = to_affine(world),
-                            .object_from_world = to_affine(inverse),
-                            .world_from_object_before = to_affine(instance.place.world_from_object_before),
-                            .geometry_base = on_device.geometry_base,
-                            .geometry_count = geometry_count,
-                            .emitter_base = static_cast<uint32_t>(geometry_emitter_rows.size()),
-                            .flags = mirrors(world) ? shared::kInstanceFlipsFacing : 0u,
-                            .mask = 0xFFu};
-        geometry_emitter_rows.resize(geometry_emitter_rows.size() + geometry_count, shared::kNone);
-        stats.instanced_triangles += on_device.triangle_count;
-        if (uses_hardware()) {
-            driver.push_back(to_tlas(instances[index], on_device, index));
-            next.kept.push_back(on_device.blas);
-        }
-        if (options.own_bvh) own.push_back(bvh::make_top_item(on_device.own_root, static_cast<uint32_t>(on_device.own_nodes), world, index));
-    }
-    stats.instances = static_cast<uint32_t>(instance_rows.size());
+    const std::vector<uint32_t> drawn = assign_instance_rows();
     if (instances.size() > 0xFFFFFFu)
         throw Error(ErrorCode::Failed, fmt::format("the scene has {} instances, a top level holds {}", instances.size(), 0xFFFFFF), scene->source().name, "join meshes");
+    const std::vector<MeshOnDevice*> drawn_mesh = note_drawn(drawn);
+    stats.instances = static_cast<uint32_t>(drawn.size());
+    uint32_t geometries_before = 0;
+    for (size_t i = 0; i < drawn.size(); ++i) {
+        instances[drawn[i]].emitter_base = geometries_before;
+        geometries_before += static_cast<uint32_t>(drawn_mesh[i]->parts.size());
+    }
+    geometry_emitter_rows.assign(geometries_before, shared::kNone);
+    parallel_for(drawn.size(), kGrain, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) {
+            shared::Instance& row = instances[drawn[i]];
+            const Instance& instance = scene->get(instance_handles[drawn[i]]);
+            const Placement& place = instance.place;
+            row.world_from_object = to_affine(place.world_from_object);
+            row.object_from_world = inverse_affine(place.world_from_object);
+            row.world_from_object_before = to_affine(place.world_from_object_before);
+            row.geometry_base = drawn_mesh[i]->geometry_base;
+            row.geometry_count = static_cast<uint32_t>(drawn_mesh[i]->parts.size());
+            row.flags = mirrors(place.world_from_object) ? shared::kInstanceFlipsFacing : 0u;
+            row.mask = instance.ray_mask;
+        }
+    });
     instance_table = make_table("instances", std::span<const shared::Instance>(instances));
-    if (uses_hardware()) {
-        tlas_count = static_cast<uint32_t>(driver.size());
-        tlas_instances = make_table("tlas_instances", std::move(driver));
-        // A mesh of many instances is kept once.
-        std::ranges::sort(next.kept, {}, &gpu::AccelStruct::id);
-        next.kept.erase(std::ranges::unique(next.kept, {}, &gpu::AccelStruct::id).begin(), next.kept.end());
+    next = {};
+    if (uses_hardware()) place_driver_top(drawn, drawn_mesh);
+    if (options.own_bvh) place_own_top(drawn, drawn_mesh);
+}
+
+void SceneGpu::State::place_driver_top(std::span<const uint32_t> drawn, std::span<MeshOnDevice* const> drawn_mesh) {
+    std::vector<gpu::TlasInstance> rows(drawn.size());
+    parallel_for(drawn.size(), kGrain, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) rows[i] = to_tlas(instances[drawn[i]], scene->get(instance_handles[drawn[i]]).opacity, *drawn_mesh[i], drawn[i]);
+    });
+    tlas_count = static_cast<uint32_t>(rows.size());
+    tlas_instances = make_table("tlas_instances", std::move(rows));
+    // A mesh of many instances is kept once.
+    for (const Handle<Mesh> handle : wanted_meshes)
+        if (const MeshOnDevice& mesh = meshes.at(handle); mesh.drawn_at == published + 1) next.kept.push_back(mesh.blas);
+    std::ranges::sort(next.kept, {}, &gpu::AccelStruct::id);
+}
+
+void SceneGpu::State::place_own_top(std::span<const uint32_t> drawn, std::span<MeshOnDevice* const> drawn_mesh) {
+    stats.node_layout = bvh::layout_name(layout);
+    stats.own_bottom_bytes = 0;
+    for (const Handle<Mesh> handle : wanted_meshes) {
+        MeshOnDevice& mesh = meshes.at(handle);
+        mesh.own_flags = own_flags(opacity_flags(*scene, scene->get(handle), options.culling));
+        stats.own_bottom_bytes += mesh.own_node_count * bvh::node_bytes(layout) + mesh.own_triangle_count * sizeof(shared::BvhTriangle);
     }
-    if (options.own_bvh) {
-        stats.node_layout = bvh::layout_name(layout);
-        stats.own_bottom_bytes = 0;
-        for (const Handle<Mesh> handle : wanted_meshes)
-            stats.own_bottom_bytes += meshes.at(handle).own_node_count * bvh::node_bytes(layout) + meshes.at(handle).own_triangle_count * sizeof(shared::BvhTriangle);
-        bvh::Top top = bvh::build_top(own, layout);
-        stats.own_top_bytes = top.nodes.bytes() + top.items.size() * sizeof(shared::BvhTopItem);
-        next.nodes = make_table("top_nodes", std::move(top.nodes.words));
-        next.items = make_table("top_items", std::move(top.items));
-    }
+    const auto start = std::chrono::steady_clock::now();
+    std::vector<bvh::TopItem> items(drawn.size());
+    parallel_for(drawn.size(), kGrain, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) {
+            const MeshOnDevice& mesh = *drawn_mesh[i];
+            const Instance& instance = scene->get(instance_handles[drawn[i]]);
+            items[i] = bvh::make_top_item(mesh.own_root, static_cast<uint32_t>(mesh.own_nodes), instance.place.world_from_object, drawn[i], instance.ray_mask, own_flags(mesh.own_flags, instance.opacity));
+        }
+    });
+    next.plain = std::ranges::all_of(items, [](const bvh::TopItem& item) { return (item.item.flags & shared::kBvhOpaque) == shared::kBvhOpaque; });
+    bvh::Top top = bvh::build_top(items, layout);
+    stats.own_top_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    stats.own_top_bytes = top.nodes.bytes() + top.items.size() * sizeof(shared::BvhTopItem);
+    next.nodes = make_table("top_nodes", std::move(top.nodes.words));
+    next.items = make_table("top_items", std::move(top.items));
 }
 
 }  // namespace parhelion

@@ -82,14 +82,13 @@ void SceneGpu::State::place_emitters() {
         const Mesh& mesh = scene->get(instance.drawn_mesh());
         for (uint32_t g = 0; g < instances[i].geometry_count; ++g) {
             const uint32_t geometry = instances[i].geometry_base + g;
-            const auto offset = triangle_table_of_geometry.find(geometry);
-            if (offset == triangle_table_of_geometry.end()) continue;
+            if (geometries[geometry].triangle_table == shared::kNone) continue;
             const EmissiveTable& table = *emissive_table_of_geometry.at(geometry);
             const shared::Material& material = materials[geometries[geometry].material];
             const double strength = table.shown.empty() ? luminance(material.emission) : max_component(material.emission);
             const double sides = (material.flags & shared::kMaterialDoubleSided) != 0 ? 2.0 : 1.0;
             geometry_emitter_rows[instances[i].emitter_base + g] = static_cast<uint32_t>(emitters.size());
-            add({.kind = shared::kEmitterMesh, .instance = i, .geometry = geometry, .triangle_count = geometries[geometry].triangle_count, .triangle_table = offset->second},
+            add({.kind = shared::kEmitterMesh, .instance = i, .geometry = geometry, .triangle_count = geometries[geometry].triangle_count, .triangle_table = geometries[geometry].triangle_table},
                 sides * kPi * strength * world_flux(mesh.primitives[g], table, instance.place.world_from_object), false);
         }
     }

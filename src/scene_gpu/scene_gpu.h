@@ -13,6 +13,8 @@ namespace parhelion {
 
 // Layout of our own acceleration structure's nodes (shared/bvh.h). Auto: what is fastest on devices of this class.
 enum class NodeLayout : uint32_t { Auto, Binary, Four, Compact };
+// Loop of its traversal (lib/traverse.glsl): rays wait for each other before leaves, or look at them in every round.
+enum class BvhLoop : uint32_t { Auto, Descend, Rounds };
 
 struct SceneGpuOptions {
     bool culling = true;           // single-sided surfaces are invisible from behind; false shows them
@@ -20,6 +22,7 @@ struct SceneGpuOptions {
     bool hardware = true;          // build the driver's acceleration structures (pipeline, query), where the device has them
     bool own_bvh = true;           // build our own (compute)
     NodeLayout node_layout = NodeLayout::Auto;
+    BvhLoop bvh_loop = BvhLoop::Auto;
     bool compact = true;           // give back what the driver's bottom levels do not need
     // What one update() records, about: what cannot be divided (a row of an image, a mesh's bottom level) is done whole.
     uint64_t slice_bytes = 64ull << 20;      // of uploads; also bounds the scratch memory of builds, at four times as much
@@ -31,6 +34,7 @@ struct SceneGpuStats {
     uint64_t triangles = 0, instanced_triangles = 0, emissive_triangles = 0;
     uint32_t meshes = 0, instances = 0, materials = 0, textures = 0, emitters = 0;
     double own_build_seconds = 0;  // host time of our bottom levels
+    double own_top_seconds = 0;    // and of the newest top level
     uint64_t own_bottom_bytes = 0, own_top_bytes = 0;  // of our own: nodes with triangles, nodes with instances
     std::string_view node_layout;                      // of our own, by name
     uint64_t bottom_bytes_built = 0, bottom_bytes = 0;  // the driver's bottom levels as they were built, and as they are now

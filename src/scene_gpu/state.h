@@ -53,6 +53,7 @@ struct MeshOnDevice {
     // Ours: its rows in the shared arrays. `own_host` is the tree on its way there.
     std::unique_ptr<bvh::Bottoms> own_host;
     shared::BvhNode own_root{};
+    uint32_t own_flags = 0;  // BvhTopItem's, as its materials have it
     uint64_t own_nodes = 0, own_node_count = 0, own_triangles = 0, own_triangle_count = 0, own_done_rows = 0;
     bool own_ready = false;
 };
@@ -84,13 +85,30 @@ struct EmissivePart {
 
 // The layout that is fastest on devices of this class, by measurement, or the one asked for.
 bvh::Layout choose_node_layout(const gpu::DeviceCaps& caps, NodeLayout choice);
+// Constant 0 of the programs that trace our own nodes (shared/bvh.h). `plain`: both top levels are.
+uint32_t traversal_variant(const gpu::DeviceCaps& caps, bvh::Layout layout, BvhLoop choice, bool plain);
 
 // Alias rows of non-negative weights. All-zero weights become equal ones: a table must return something.
 std::vector<shared::AliasEntry> make_alias_rows(std::span<const double> weights);
 
+// Which geometries of a mesh are opaque to a traversal, so that it need not ask about a hit, and what it culls on its own. That is a
+// flag of the whole instance: a mesh that mixes single- and double-sided geometries is not culled by it; asking does it there, so its
+// single-sided geometries are not opaque.
+struct OpacityFlags {
+    std::vector<bool> opaque;  // by part
+    bool cull_by_flag = false;
+};
+OpacityFlags opacity_flags(const Scene& scene, const Mesh& mesh, bool culling);
+
+// Where a drawn instance has its row. Handles of generation 0 name nothing.
+struct InstanceRow {
+    uint32_t generation = 0, row = 0;
+};
+
 struct TopLevel {
     gpu::AccelStruct tlas;
     gpu::Buffer nodes, items;            // ours
+    bool plain = false;                  // every geometry in it is opaque (kBvhPlain)
     std::vector<gpu::AccelStruct> kept;  // the bottom levels that it points at
 };
 
@@ -145,7 +163,7 @@ struct SceneGpu::State {
     std::vector<shared::Instance> instances;
     std::vector<uint32_t> geometry_emitter_rows;
     std::vector<Handle<Instance>> instance_handles;  // by row; none: the row is free
-    std::unordered_map<Handle<Instance>, uint32_t> instance_rows;
+    std::vector<InstanceRow> instance_rows;  // by index of the handle
     std::vector<uint32_t> free_rows, left_rows;  // free now; left by this frame's edit, still seen by the previous top level
     gpu::Buffer instance_table, tlas_instances;
     uint32_t tlas_count = 0;
@@ -182,8 +200,11 @@ struct SceneGpu::State {
     void make_environment();
     void make_triangle_tables();
     std::vector<EmissivePart> find_emissive_parts() const;
-    void assign_instance_rows();
     void place_instances();  // instance rows, driver's and our top level
+    std::vector<uint32_t> assign_instance_rows();
+    std::vector<MeshOnDevice*> note_drawn(std::span<const uint32_t> drawn);
+    void place_driver_top(std::span<const uint32_t> drawn, std::span<MeshOnDevice* const> drawn_mesh);
+    void place_own_top(std::span<const uint32_t> drawn, std::span<MeshOnDevice* const> drawn_mesh);
     void place_emitters();   // the top of the light table
 
     // Step 3.

@@ -87,6 +87,28 @@ TEST_F(GpuDevices, ray_tracing_can_be_masked) {
     EXPECT_EQ(masked->validation_message_count(), 0u);
 }
 
+// One way alone can be masked too, for every device that a program sees.
+TEST_F(GpuDevices, the_environment_masks_ways_to_trace) {
+    const char* before = std::getenv("PARHELION_MASK");
+    const std::string kept = before ? before : "";
+    const auto ways = [&](const char* mask) {
+        setenv("PARHELION_MASK", mask, 1);
+        const DeviceCaps caps = enumerate_devices().at(device()->caps().index);
+        return std::pair(caps.ray_pipeline, caps.ray_query);
+    };
+    const auto [pipeline, query] = ways("");
+    EXPECT_EQ(ways("pipeline"), std::pair(false, query));
+    EXPECT_EQ(ways("query"), std::pair(pipeline, false));
+    EXPECT_EQ(ways("query,pipeline"), std::pair(false, false));
+    EXPECT_FALSE(Device::open({.selector = same()})->caps().supports(TraceWay::Query));
+    setenv("PARHELION_MASK", "pipeline,rays", 1);
+    const Error error = error_of([] { enumerate_devices(); });
+    EXPECT_EQ(error.code, ErrorCode::Usage);
+    EXPECT_NE(error.line.find("PARHELION_MASK"), std::string::npos) << error.line;
+    if (before) setenv("PARHELION_MASK", kept.c_str(), 1);
+    else unsetenv("PARHELION_MASK");
+}
+
 // Shows that silence of the layers means something: a missing barrier between two writes must be heard.
 TEST_F(GpuDevices, a_missing_barrier_is_counted_by_validation) {
     DevicePtr validated;

@@ -106,7 +106,7 @@ TEST_F(GpuLayer, hit_and_miss_shaders_are_of_the_raygens_variant_together_or_pla
     };
     const auto is_part = [](const ShaderCode& shader, std::string_view name) { return shader.name == name && shader.variant == "+SHADE_IN_HIT"; };
     const auto get = [&](const ShaderPack& from) { return error_line([&] { Program::get(device(), from, "reference/path_trace", "pipeline+SHADE_IN_HIT", true); }); };
-    if (!device()->caps().ray_pipeline) GTEST_SKIP() << "no ray tracing pipelines";
+    PARHELION_REQUIRE_WAY(TraceWay::Pipeline);
     for (const char* name : {"scene/miss", "scene/shadow_miss"}) {
         const std::string line = get(pack([&](const ShaderCode& shader) { return !is_part(shader, name); }));
         EXPECT_NE(line.find(fmt::format("there is no miss shader '{}' in variant '+SHADE_IN_HIT'", name)), std::string::npos) << line;

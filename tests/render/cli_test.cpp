@@ -386,6 +386,21 @@ TEST_F(CliRender, an_unknown_device_is_wrong_usage_that_lists_the_devices) {
     EXPECT_TRUE(folder.names().empty());
 }
 
+TEST_F(CliRender, a_device_without_ray_tracing_traces_by_compute_and_says_so) {
+    const ProcessOptions masked{.environment = {{"PARHELION_MASK", "pipeline,query"}}};
+    const ProcessResult devices = run_parhelion({"devices", "--json", "-"}, masked);
+    ASSERT_EQ(devices.exit_code, 0) << devices.err;
+    for (const auto& device : devices.json()["devices"])
+        EXPECT_TRUE(!device["usable"].get<bool>() || device["trace"] == Json::array({"compute"})) << device;
+    EXPECT_NE(run_parhelion({"devices"}, masked).out.find("traces by compute\n"), std::string::npos);
+    const ProcessResult automatic = run_parhelion(kSmall + Words{"--trace", "auto", "--out", file("a.exr"), "--json", "-"} + (shared_device_validates() ? Words{"--validate"} : Words{}), masked);
+    ASSERT_EQ(automatic.exit_code, 0) << automatic.err;
+    EXPECT_EQ(automatic.json()["trace"], "compute");
+    for (const std::string way : {"pipeline", "query"}) expect_error(run_parhelion(kSmall + Words{"--trace", way, "--out", file("b.exr")}, masked), 3, "cannot trace by " + way);
+    expect_error(run_parhelion(kSmall + Words{"--out", file("b.exr")}, {.environment = {{"PARHELION_MASK", "queries"}}}), 2, "'queries' is no way to trace");
+    EXPECT_EQ(folder.names(), std::vector<std::string>{"a.exr"});
+}
+
 TEST_F(CliRender, a_comparison_over_its_limit_exits_with_4) {
     ASSERT_EQ(run_parhelion(kSmall + Words{"--out", file("a.exr")}).exit_code, 0);
     ASSERT_EQ(run_parhelion(kSmall + Words{"--seed", "1", "--out", file("b.exr")}).exit_code, 0);

@@ -48,7 +48,7 @@ protected:
 
 TEST_F(Transforms, a_transformed_instance_is_the_mesh_built_in_place) {
     for (const gpu::TraceWay way : kWays) {
-        PARHELION_REQUIRE_WAY(way);
+        if (!device()->caps().supports(way)) continue;
         for (const bool mirrored : {false, true}) {
             const image::ImageF there = draw(false, mirrored, way), built = draw(true, mirrored, way);
             EXPECT_GT(mean_rgb(built), 0.5);

@@ -14,8 +14,10 @@ extern const size_t test_shaders_size;
 
 namespace parhelion::testing {
 
-bool is_required(std::string_view what) {
-    const char* list = std::getenv("PARHELION_REQUIRE");
+namespace {
+
+bool environment_lists(const char* variable, std::string_view what) {
+    const char* list = std::getenv(variable);
     if (!list) return false;
     std::string_view rest = list;
     while (!rest.empty()) {
@@ -25,8 +27,6 @@ bool is_required(std::string_view what) {
     }
     return false;
 }
-
-namespace {
 
 struct SharedDevice {
     gpu::DevicePtr device;
@@ -53,6 +53,8 @@ const SharedDevice& open_shared_device() {
 
 }  // namespace
 
+bool is_required(std::string_view what) { return environment_lists("PARHELION_REQUIRE", what) && !environment_lists("PARHELION_MASK", what); }
+
 const gpu::DevicePtr& shared_device() { return open_shared_device().device; }
 bool shared_device_validates() { return open_shared_device().validates; }
 
@@ -74,6 +76,10 @@ void GpuTest::SetUp() {
         GTEST_SKIP() << "no Vulkan device";
     }
     messages_before_ = shared_device()->validation_message_count();
+    // Tests go through the ways that the device has: without this, a required one that is not there would go unseen.
+    for (const gpu::TraceWay way : {gpu::TraceWay::Pipeline, gpu::TraceWay::Query})
+        if (!device()->caps().supports(way) && is_required(gpu::trace_way_name(way)))
+            FAIL() << device()->caps().name << " cannot trace by " << gpu::trace_way_name(way) << ", which PARHELION_REQUIRE names";
 }
 
 void GpuTest::TearDown() {
@@ -84,7 +90,6 @@ void GpuTest::TearDown() {
 
 void GpuTest::require_way(gpu::TraceWay way) {
     if (device()->caps().supports(way)) return;
-    if (is_required(gpu::trace_way_name(way))) FAIL() << device()->caps().name << " cannot trace by " << gpu::trace_way_name(way);
     GTEST_SKIP() << device()->caps().name << " cannot trace by " << gpu::trace_way_name(way);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // What device and render tests share: one device a process (validation on where the layers are installed), its Frame, and the
-// rules of skipping. PARHELION_REQUIRE=device,query,pipeline,compute,validation makes a missing thing a failure.
+// rules of skipping. PARHELION_REQUIRE=device,query,pipeline,compute,validation makes a missing thing a failure; a way to trace that
+// PARHELION_MASK hides is not missing.
 #include <span>
 #include <string>
 #include <string_view>

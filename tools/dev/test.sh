@@ -42,8 +42,8 @@ run_tests() { # run_tests PRESET FILTER CTEST-ARGUMENTS...: prints the summary; 
     if [[ -n $filter ]]; then
         [[ $filter == *[*?:]* ]] || filter="*$filter*"
         export GTEST_FILTER=$filter
-        # Tests that are no GoogleTest programs have no cases to choose from.
-        set -- "$@" -LE '^(truth|soak|script|embed|fuzz)$'
+        # Tests that are no GoogleTest programs have no cases to choose from; the masked ones have a filter of their own.
+        set -- "$@" -LE '^(truth|soak|script|embed|fuzz|masked)$'
     fi
     if [[ $preset == asan ]]; then
         export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_stack_use_after_return=1} UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
