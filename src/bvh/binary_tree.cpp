@@ -1,250 +1,230 @@
 #include "bvh/binary_tree.h"
 
-#include <algorithm>
-#include <array>
 #include <bit>
+#include <cmath>
 
 #include "base/error.h"
-#include "base/parallel.h"
+#include "bvh/split.h"
 
 namespace parhelion::bvh {
 
 namespace {
 
-constexpr uint32_t kMaxBins = 16;
-constexpr uint32_t kSubtree = 1u << 14;     // ranges up to this size are built by one thread
-constexpr uint32_t kChunk = 1u << 15;       // larger ranges are scanned by all threads in chunks of this size
-constexpr float kTraversalCost = 2.0f;      // of a binary node, in triangle tests: as fast as 1 and a sixth smaller
-
-// Twice the center of a box: saves a product.
-glm::vec3 center(const BuildItem& item) { return item.min + item.max; }
+constexpr uint32_t kSubtree = 1u << 14;   // ranges up to this size are one thread's work
+constexpr uint32_t kTogether = 128;       // larger ranges are all threads' work, if they hold more than this part of everything
+// Halves that have less in common are not worth a spatial split: shares of the root's surface (Stich et al. 2009) and of the range's
+// own, if it is large or small.
+constexpr float kSmallOverlap = 1e-5f, kShareLarge = 0.1f, kShareSmall = 0.3f;
 
 struct Range {
-    uint32_t node, depth;
+    uint32_t first, count, slots;  // of the reference array; slots - count are free for spatial splits
+    uint32_t depth;
+    uint32_t* link;  // what refers to it
 };
 
-// Box of a range's items, and of their centers.
-struct Extent {
-    Box box, centers;
-    void add(const Extent& e) { box.add(e.box), centers.add(e.centers); }
+// What one thread, or all of them together, works with.
+struct Worker {
+    Team team;
+    std::vector<Reference> scratch;
 };
 
-struct Bin {
-    Box box;
-    uint32_t count = 0;
-};
-using Bins = std::array<std::array<Bin, kMaxBins>, 3>;
-
-// Maps centers to bins. A small range gets few bins: scanning them would cost more than the items.
-struct Binning {
-    Binning(const Box& centers, uint32_t item_count) : low(centers.min), bins(std::clamp(item_count, 4u, kMaxBins)) {
-        const glm::vec3 extent = centers.max - centers.min;
-        for (int axis = 0; axis < 3; ++axis) scale[axis] = extent[axis] > 0.0f ? static_cast<float>(bins) * (1.0f - 1e-6f) / extent[axis] : 0.0f;
-    }
-    uint32_t bin(const BuildItem& item, int axis) const {
-        const float scaled = (item.min[axis] + item.max[axis] - low[axis]) * scale[axis];
-        return scaled > 0.0f ? std::min(static_cast<uint32_t>(scaled), bins - 1) : 0;
-    }
-    glm::vec3 low, scale;
-    uint32_t bins;
-};
-
-struct Split {
-    float cost = 3e38f;
-    int axis = -1;
-    uint32_t bin = 0;         // first bin of the second half
-    uint32_t left_count = 0;
-};
+float overlap(const Box& a, const Box& b) {
+    const glm::vec3 d = glm::min(a.max, b.max) - glm::max(a.min, b.min);
+    return d.x < 0.0f || d.y < 0.0f || d.z < 0.0f ? 0.0f : d.x * d.y + d.y * d.z + d.z * d.x;
+}
 
 class Builder {
 public:
-    Builder(std::vector<BuildItem> items, uint32_t max_leaf, uint32_t max_height) : max_leaf_(max_leaf), max_height_(max_height) {
-        tree_.items = std::move(items);
-        tree_.nodes.resize(std::max<size_t>(1, 2 * tree_.items.size()));
-        tree_.nodes[0].count = static_cast<uint32_t>(tree_.items.size());
+    Builder(std::unique_ptr<Reference[]> references, uint32_t count, uint32_t slots, std::span<const shared::BvhTriangle> triangles, const BinaryLimits& limits)
+        : triangles_(triangles), limits_(limits), count_(count) {
+        tree_.references = std::move(references);
+        tree_.nodes = std::make_unique_for_overwrite<BinaryNode[]>(slots);
+        tree_.slots = slots;
     }
 
     BinaryTree build() {
-        // Large ranges one after the other, each by all threads; then small ones side by side. Children have fixed places in
-        // the node array (a split point splits one range only), so threads need no common counter.
-        std::vector<Range> large{{0, 0}}, small;
+        // Large ranges one after the other, each by all threads; then small ones side by side. A node's place is the first slot of
+        // its second half, which no other node shares, so threads need no common counter.
+        const uint32_t small = std::max(kSubtree, count_ / kTogether);
+        std::vector<Range> large{{0, count_, tree_.slots, 0, &tree_.root}}, rest;
+        Worker all{.team = {.all_threads = true}, .scratch = {}};
         while (!large.empty()) {
             const Range range = large.back();
             large.pop_back();
-            const uint32_t count = tree_.nodes[range.node].count;
-            if (count <= kSubtree) {
-                small.push_back(range);
-                continue;
-            }
-            split_range(range, large);
+            if (range.count <= small) rest.push_back(range);
+            else split_range(range, all, large), tree_.top.push_back(*range.link);
         }
-        parallel_for(small.size(), 1, [&](size_t begin, size_t end) {
+        all.scratch = {};
+        std::stable_sort(rest.begin(), rest.end(), [](const Range& a, const Range& b) { return a.count > b.count; });
+        parallel_for(rest.size(), 1, [&](size_t begin, size_t end) {
+            Worker one;
             std::vector<Range> stack;
             for (size_t i = begin; i < end; ++i) {
-                stack.push_back(small[i]);
+                stack.push_back(rest[i]);
                 while (!stack.empty()) {
                     const Range range = stack.back();
                     stack.pop_back();
-                    split_range(range, stack);
+                    split_range(range, one, stack);
                 }
             }
         });
-        set_heights();
+        for (const Range& range : rest) tree_.subtrees.push_back(*range.link);
         return std::move(tree_);
     }
 
 private:
-    std::span<BuildItem> items_of(const BinaryNode& node) { return std::span(tree_.items).subspan(node.first, node.count); }
+    std::span<Reference> references_of(const Range& range) { return {tree_.references.get() + range.first, range.count}; }
 
-    // Makes the range's node; pushes its halves, if any.
-    void split_range(const Range& range, std::vector<Range>& out) {
-        BinaryNode& node = tree_.nodes[range.node];
-        if (node.count == 0) return;
-        const Extent extent = scan<Extent>(node, [](Extent& e, const BuildItem& item) {
-            e.box.add({item.min, item.max});
-            e.centers.add(center(item));
+    // Makes the range's node, or refers to its only reference; pushes its halves.
+    void split_range(const Range& range, Worker& worker, std::vector<Range>& out) {
+        if (range.count <= 1) {
+            *range.link = range.count == 1 ? shared::kBvhLeaf | range.first : shared::kBvhEmpty;
+            return;
+        }
+        const std::span<Reference> references = references_of(range);
+        const Extent extent = worker.team.sum(references, Extent{}, [](Extent& e, const Reference& r) {
+            e.box.add(r.box());
+            e.centers.add(center(r));
         });
-        node.box = extent.box;
-        const uint32_t left_count = choose_split(node, extent, max_height_ - range.depth);
-        if (left_count == 0) return;
-        node.split = node.first + left_count;
-        tree_.nodes[2 * node.split] = {.first = node.first, .count = left_count};
-        tree_.nodes[2 * node.split + 1] = {.first = node.split, .count = node.count - left_count};
-        out.push_back({2 * node.split, range.depth + 1});
-        out.push_back({2 * node.split + 1, range.depth + 1});
+        if (range.depth == 0) small_overlap_ = kSmallOverlap * extent.box.half_area();
+        const Halves halves = split(range, extent, worker);
+        const uint32_t index = halves.right_first;
+        BinaryNode& node = tree_.nodes[index];
+        node.min = extent.box.min, node.max = extent.box.max;
+        *range.link = index;
+        out.push_back({range.first, halves.left_count, halves.left_slots, range.depth + 1, &node.left});
+        out.push_back({halves.right_first, halves.right_count, halves.right_slots, range.depth + 1, &node.right});
     }
 
-    // Orders the items into two halves; returns the size of the first, 0 for a leaf. `room`: levels that may follow.
-    uint32_t choose_split(const BinaryNode& node, const Extent& extent, uint32_t room) {
-        if (node.count == 1) return 0;
-        const Binning binning(extent.centers, node.count);
-        const Split split = best_split(node, binning);
-        if (node.count <= max_leaf_ && (room == 0 || static_cast<float>(node.count) * node.box.half_area() <= split.cost)) return 0;
-        // Halving always fits into the room that is left; a SAH split is taken only if both of its parts still can be halved.
-        const bool fits = split.axis >= 0 && halvings(std::max(split.left_count, node.count - split.left_count)) < room;
-        return fits ? partition(node, binning, split) : halve(node, extent.centers);
-    }
+    struct Halves {
+        uint32_t left_count, left_slots, right_first, right_count, right_slots;
+    };
 
     // Levels that halving a range down to leaves takes.
-    uint32_t halvings(uint32_t count) const { return static_cast<uint32_t>(std::bit_width((count - 1) / max_leaf_)); }
+    uint32_t halvings(uint32_t count) const { return static_cast<uint32_t>(std::bit_width((count - 1) / limits_.max_leaf)); }
 
-    Split best_split(const BinaryNode& node, const Binning& binning) {
-        const Bins bins = scan<BinsSum>(node, [&](BinsSum& sum, const BuildItem& item) {
-            for (int axis = 0; axis < 3; ++axis) {
-                Bin& bin = sum.bins[axis][binning.bin(item, axis)];
-                bin.box.add({item.min, item.max});
-                ++bin.count;
-            }
-        }).bins;
-        Split best;
-        for (int axis = 0; axis < 3; ++axis) {
-            if (!(binning.scale[axis] > 0.0f)) continue;
-            std::array<float, kMaxBins> right_cost{};
-            Bin right;
-            for (uint32_t b = binning.bins - 1; b > 0; --b) {
-                right.box.add(bins[axis][b].box);
-                right.count += bins[axis][b].count;
-                right_cost[b] = right.box.half_area() * static_cast<float>(right.count);
-            }
-            Bin left;
-            for (uint32_t b = 1; b < binning.bins; ++b) {
-                left.box.add(bins[axis][b - 1].box);
-                left.count += bins[axis][b - 1].count;
-                if (left.count == 0 || left.count == node.count) continue;
-                const float cost = kTraversalCost * node.box.half_area() + left.box.half_area() * static_cast<float>(left.count) + right_cost[b];
-                if (cost < best.cost) best = {cost, axis, b, left.count};
-            }
-        }
-        return best;
+    // Halving always fits into the levels that are left; another split is taken only if both of its parts still can be halved,
+    // however many references are added to them.
+    bool fits(const Range& range, uint32_t left_slots) const {
+        return range.count <= limits_.max_leaf || halvings(std::max(left_slots, range.slots - left_slots)) < limits_.max_height - range.depth;
     }
 
-    uint32_t partition(const BinaryNode& node, const Binning& binning, const Split& split) {
-        const auto is_left = [&](const BuildItem& item) { return binning.bin(item, split.axis) < split.bin; };
-        const std::span<BuildItem> items = items_of(node);
-        if (items.size() <= kChunk) {
-            std::partition(items.begin(), items.end(), is_left);
-            return split.left_count;
+    Halves split(const Range& range, const Extent& extent, Worker& worker) {
+        const std::span<Reference> references = references_of(range);
+        ObjectSplit object;
+        const Binning binning(extent.centers);
+        const bool sweep = range.count <= kSweep;
+        if (sweep) static_cast<Split&>(object) = best_sweep_split(references, extent.centers);
+        else object = best_binned_split(references, binning, worker.team);
+
+        // Within a leaf's size no references are added: the height counts from there.
+        const float small = std::max(small_overlap_, (sweep ? kShareSmall : kShareLarge) * extent.box.half_area());
+        if (range.slots > range.count && range.count > limits_.max_leaf && (object.axis < 0 || overlap(object.left, object.right) > small)) {
+            const SpatialSplit spatial = best_spatial_split(references, triangles_, extent.box, object.cost, worker.team);
+            if (spatial.axis >= 0 && spatial.left_count + spatial.right_count <= range.slots) {
+                const Halves halves = divide(range, worker, [&](const Reference& r) { return part_reference(r, triangles_, spatial); });
+                if (halves.left_count > 0) return halves;
+            }
         }
-        // By all threads: count chunk by chunk, then every chunk writes to its own places.
-        const size_t chunks = (items.size() + kChunk - 1) / kChunk;
-        const auto chunk = [&](size_t c) { return items.subspan(c * kChunk, std::min<size_t>(kChunk, items.size() - c * kChunk)); };
-        std::vector<uint32_t> left_before(chunks + 1, 0);
-        for_each_chunk(chunks, [&](size_t c) { left_before[c + 1] = static_cast<uint32_t>(std::count_if(chunk(c).begin(), chunk(c).end(), is_left)); });
-        for (size_t c = 0; c < chunks; ++c) left_before[c + 1] += left_before[c];
-        scratch_.resize(std::max(scratch_.size(), items.size()));
-        for_each_chunk(chunks, [&](size_t c) {
-            uint32_t left = left_before[c], right = split.left_count + static_cast<uint32_t>(c * kChunk) - left_before[c];
-            for (const BuildItem& item : chunk(c)) scratch_[is_left(item) ? left++ : right++] = item;
+        if (object.axis >= 0) {
+            const Halves halves = sweep ? divide_at(range, object.left_count) : divide(range, worker, [&](const Reference& r) {
+                return binning.bin(r, object.axis) < object.bin ? Parts{.left = r.box(), .right = {}} : Parts{.left = {}, .right = r.box()};
+            });
+            if (halves.left_count > 0) return halves;
+        }
+        return halve(range, extent.centers);
+    }
+
+    struct Side {
+        uint32_t count = 0;
+        double weight = 0;  // surfaces: how much spatial splits may gain there
+        void add(const Box& box) { ++count, weight += box.half_area(); }
+        void add(const Side& side) { count += side.count, weight += side.weight; }
+    };
+
+    // How many of the free slots go to the first half.
+    static uint32_t share(uint32_t free, const Side& left, const Side& right) {
+        const double part = left.weight / (left.weight + right.weight);
+        return part >= 0.0 && part <= 1.0 ? static_cast<uint32_t>(free * part) : free / 2;
+    }
+
+    // Moves every reference, or its parts, to its side, in order. Returns no left half, and changes nothing, if one is empty or the
+    // halves do not fit into the levels that are left.
+    template <class PartOf>
+    Halves divide(const Range& range, Worker& worker, PartOf&& part_of) {
+        struct Sides {
+            Side left, right;
+        };
+        const std::span<Reference> references = references_of(range);
+        std::vector<Reference>& scratch = worker.scratch;  // chunk by chunk: first halves, then as much space for second ones
+        if (scratch.size() < 2 * references.size()) scratch.resize(2 * references.size());
+        std::vector<Sides> chunks((references.size() + kChunk - 1) / kChunk);
+        worker.team.for_each_chunk(references.size(), [&](size_t c, size_t first, size_t last) {
+            Sides& sides = chunks[c];
+            for (size_t i = first; i < last; ++i) {
+                const Parts parts = part_of(references[i]);
+                const uint32_t index = references[i].index;
+                if (!parts.left.empty()) scratch[2 * first + sides.left.count] = {parts.left.min, index, parts.left.max, 0}, sides.left.add(parts.left);
+                if (!parts.right.empty()) scratch[first + last + sides.right.count] = {parts.right.min, index, parts.right.max, 0}, sides.right.add(parts.right);
+            }
         });
-        for_each_chunk(chunks, [&](size_t c) { std::copy_n(scratch_.begin() + static_cast<std::ptrdiff_t>(c * kChunk), chunk(c).size(), chunk(c).begin()); });
-        return split.left_count;
+        Sides sum;
+        for (const Sides& sides : chunks) sum.left.add(sides.left), sum.right.add(sides.right);
+        if (sum.left.count == 0 || sum.right.count == 0 || sum.left.count + sum.right.count > range.slots) return {};
+        const uint32_t left_slots = sum.left.count + share(range.slots - sum.left.count - sum.right.count, sum.left, sum.right);
+        if (!fits(range, left_slots)) return {};
+        std::vector<Sides> before(chunks.size());
+        for (size_t c = 1; c < chunks.size(); ++c) {
+            before[c].left.count = before[c - 1].left.count + chunks[c - 1].left.count;
+            before[c].right.count = before[c - 1].right.count + chunks[c - 1].right.count;
+        }
+        Reference* const left = references.data();
+        worker.team.for_each_chunk(references.size(), [&](size_t c, size_t first, size_t last) {
+            std::copy_n(scratch.begin() + static_cast<std::ptrdiff_t>(2 * first), chunks[c].left.count, left + before[c].left.count);
+            std::copy_n(scratch.begin() + static_cast<std::ptrdiff_t>(first + last), chunks[c].right.count, left + left_slots + before[c].right.count);
+        });
+        return {sum.left.count, left_slots, range.first + left_slots, sum.right.count, range.slots - left_slots};
     }
 
-    // Equal numbers on both sides of the widest axis of the centers; the caller's order decides between equal centers.
-    uint32_t halve(const BinaryNode& node, const Box& centers) {
+    // The same for references that are in order already.
+    Halves divide_at(const Range& range, uint32_t left_count) {
+        const std::span<Reference> references = references_of(range);
+        Side left, right;
+        for (uint32_t i = 0; i < range.count; ++i) (i < left_count ? left : right).add(references[i].box());
+        const uint32_t left_slots = left_count + share(range.slots - range.count, left, right);
+        if (!fits(range, left_slots)) return {};
+        std::copy_backward(references.begin() + left_count, references.end(), references.end() + (left_slots - left_count));
+        return {left_count, left_slots, range.first + left_slots, range.count - left_count, range.slots - left_slots};
+    }
+
+    // Equal numbers on both sides of the widest axis of the centers; the given order decides between equal centers. Gives up the free
+    // slots.
+    Halves halve(const Range& range, const Box& centers) {
         const glm::vec3 extent = centers.max - centers.min;
         const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-        const std::span<BuildItem> items = items_of(node);
-        std::nth_element(items.begin(), items.begin() + node.count / 2, items.end(), [&](const BuildItem& a, const BuildItem& b) {
+        const std::span<Reference> references = references_of(range);
+        const uint32_t left_count = range.count / 2;
+        std::nth_element(references.begin(), references.begin() + left_count, references.end(), [&](const Reference& a, const Reference& b) {
             const float x = center(a)[axis], y = center(b)[axis];
             return x != y ? x < y : a.index < b.index;
         });
-        return node.count / 2;
+        return {left_count, left_count, range.first + left_count, range.count - left_count, range.count - left_count};
     }
 
-    struct BinsSum {
-        Bins bins;
-        void add(const BinsSum& other) {
-            for (int axis = 0; axis < 3; ++axis)
-                for (uint32_t b = 0; b < kMaxBins; ++b) bins[axis][b].box.add(other.bins[axis][b].box), bins[axis][b].count += other.bins[axis][b].count;
-        }
-    };
-
-    // Adds up a range's items. Minima, maxima and counts are exact, so the chunks do not show in the result.
-    template <class Sum, class AddItem>
-    Sum scan(const BinaryNode& node, AddItem&& add_item) {
-        const std::span<const BuildItem> items = items_of(node);
-        Sum sum;
-        if (items.size() <= kChunk) {
-            for (const BuildItem& item : items) add_item(sum, item);
-            return sum;
-        }
-        std::vector<Sum> parts((items.size() + kChunk - 1) / kChunk);
-        for_each_chunk(parts.size(), [&](size_t c) {
-            for (const BuildItem& item : items.subspan(c * kChunk, std::min<size_t>(kChunk, items.size() - c * kChunk))) add_item(parts[c], item);
-        });
-        for (const Sum& part : parts) sum.add(part);
-        return sum;
-    }
-
-    template <class Body>
-    static void for_each_chunk(size_t chunks, Body&& body) {
-        parallel_for(chunks, 1, [&](size_t begin, size_t end) {
-            for (size_t c = begin; c < end; ++c) body(c);
-        });
-    }
-
-    void set_heights() {
-        std::vector<uint32_t> order{0};  // parents before children
-        for (size_t i = 0; i < order.size(); ++i)
-            if (const uint32_t split = tree_.nodes[order[i]].split; split != 0) order.insert(order.end(), {2 * split, 2 * split + 1});
-        for (size_t i = order.size(); i-- > 0;) {
-            BinaryNode& node = tree_.nodes[order[i]];
-            if (node.split != 0) node.height = 1 + std::max(tree_.nodes[2 * node.split].height, tree_.nodes[2 * node.split + 1].height);
-        }
-    }
-
-    uint32_t max_leaf_, max_height_;
+    const std::span<const shared::BvhTriangle> triangles_;
+    const BinaryLimits limits_;
+    const uint32_t count_;
+    float small_overlap_ = 0;
     BinaryTree tree_;
-    std::vector<BuildItem> scratch_;
 };
 
 }  // namespace
 
-BinaryTree build_binary_tree(std::vector<BuildItem> items, uint32_t max_leaf, uint32_t max_height) {
-    PARHELION_CHECK(std::has_single_bit(max_leaf) && items.size() <= uint64_t(max_leaf) << max_height, "{} items do not fit into {} levels of leaves of {}", items.size(),
-                    max_height, max_leaf);
-    return Builder(std::move(items), max_leaf, max_height).build();
+BinaryTree build_binary_tree(std::unique_ptr<Reference[]> references, uint32_t count, uint32_t slots, std::span<const shared::BvhTriangle> triangles, const BinaryLimits& limits) {
+    const uint64_t most = uint64_t(limits.max_leaf) << limits.max_height;
+    PARHELION_CHECK(std::has_single_bit(limits.max_leaf) && count <= slots && count <= most, "{} items do not fit into {} levels of leaves of {}", count, limits.max_height,
+                    limits.max_leaf);
+    return Builder(std::move(references), count, static_cast<uint32_t>(std::min<uint64_t>(slots, most)), triangles, limits).build();
 }
 
 }  // namespace parhelion::bvh

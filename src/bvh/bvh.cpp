@@ -15,10 +15,7 @@ namespace {
 
 constexpr size_t kGrain = 1u << 15;
 
-bool in_range(glm::vec3 p) { return std::abs(p.x) <= 1e18f && std::abs(p.y) <= 1e18f && std::abs(p.z) <= 1e18f; }  // false for NaN
-
-// One record and one box a triangle; the box is empty where the triangle cannot be used.
-void read_triangles(std::span<const BottomGeometry> geometries, std::vector<shared::BvhTriangle>& triangles, std::vector<Box>& boxes) {
+void read_triangles(std::span<const BottomGeometry> geometries, std::vector<shared::BvhTriangle>& triangles) {
     size_t first = 0;
     for (uint32_t g = 0; g < geometries.size(); ++g) {
         const BottomGeometry& geometry = geometries[g];
@@ -29,12 +26,14 @@ void read_triangles(std::span<const BottomGeometry> geometries, std::vector<shar
                                 geometry.positions.size());
                 const glm::vec3 p0 = geometry.positions[index.x], p1 = geometry.positions[index.y], p2 = geometry.positions[index.z];
                 triangles[first + t] = {.p0 = p0, .p1 = p1, .p2 = p2, .rest = 0, .geometry = g, .primitive = static_cast<uint32_t>(t)};
-                if (in_range(p0) && in_range(p1) && in_range(p2)) boxes[first + t].add(p0), boxes[first + t].add(p1), boxes[first + t].add(p2);
             }
         });
         first += geometry.triangles.size();
     }
 }
+
+// References that spatial splits may add: what keeps a triangle within 96 bytes, and the compact layout within 64.
+float static_growth(Layout layout) { return layout == Layout::Four ? 0.3f : layout == Layout::Binary ? 0.15f : 0.0f; }
 
 inline glm::dmat3 absolute(const glm::dmat3& m) { return {glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2])}; }
 
@@ -68,15 +67,17 @@ Box world_box(const shared::BvhNode& root, const glm::dmat3& linear, const glm::
 
 }  // namespace
 
-uint32_t add_bottom(Bottoms& bottoms, std::span<const BottomGeometry> geometries) {
+uint32_t add_bottom(Bottoms& bottoms, std::span<const BottomGeometry> geometries, MeshClass mesh_class) {
     size_t count = 0;
     for (const BottomGeometry& geometry : geometries) count += geometry.triangles.size();
-    if (bottoms.triangles.size() + count >= shared::kBvhItemMask || bottoms.nodes.size() + count >= shared::kBvhItemMask)  // two numbers are taken
+    const Layout layout = bottoms.nodes.layout;
+    const float growth = mesh_class == MeshClass::Static ? static_growth(layout) : 0.0f;
+    const double most = double(count) * (1.0 + growth);
+    if (double(bottoms.triangles.size()) + most >= shared::kBvhItemMask || double(bottoms.nodes.size()) + most >= shared::kBvhItemMask)  // two numbers are taken
         throw Error(ErrorCode::Failed, "the scene has more than 2^31 triangles", "own BVH", "trace by pipeline or query");
     std::vector<shared::BvhTriangle> triangles(count);
-    std::vector<Box> boxes(count);
-    read_triangles(geometries, triangles, boxes);
-    const WideTree tree = build_wide_tree(boxes, node_width(bottoms.nodes.layout), shared::kBvhMaxLeaf, max_bottom_depth(bottoms.nodes.layout));
+    read_triangles(geometries, triangles);
+    const WideTree tree = build_wide_tree(triangles, {.width = node_width(layout), .max_leaf = shared::kBvhMaxLeaf, .max_depth = max_bottom_depth(layout), .growth = growth});
 
     const size_t first_triangle = bottoms.triangles.size();
     bottoms.roots.push_back(static_cast<uint32_t>(bottoms.nodes.size()));

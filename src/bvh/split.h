@@ -1,0 +1,109 @@
+#pragma once
+// How a range of references may be split in two: by object or in space. Used by the builder of the binary tree.
+#include <algorithm>
+#include <array>
+#include <span>
+#include <vector>
+
+#include "base/parallel.h"
+#include "bvh/binary_tree.h"
+
+namespace parhelion::bvh {
+
+constexpr uint32_t kBins = 16;
+constexpr uint32_t kSweep = 32;        // references up to which every position is tried
+constexpr uint32_t kChunk = 1u << 15;  // larger ranges are scanned in chunks of this size, so that sums do not show the threads
+
+// Twice the center of a box: saves a product.
+inline glm::vec3 center(const Reference& reference) { return reference.min + reference.max; }
+
+// Who scans a range: one thread, or all.
+struct Team {
+    bool all_threads = false;
+
+    // body(chunk, first, last) for every chunk of [0, count).
+    template <class Body>
+    void for_each_chunk(size_t count, Body&& body) const {
+        const size_t chunks = (count + kChunk - 1) / kChunk;
+        const auto run = [&](size_t begin, size_t end) {
+            for (size_t c = begin; c < end; ++c) body(c, c * kChunk, std::min<size_t>(count, (c + 1) * kChunk));
+        };
+        if (all_threads) parallel_for(chunks, 1, run);
+        else run(0, chunks);
+    }
+
+    // Adds up references chunk by chunk: add(sum, reference).
+    template <class Sum, class Add>
+    Sum sum(std::span<const Reference> references, const Sum& empty, Add&& add) const {
+        if (references.size() <= kChunk) {
+            Sum total = empty;
+            for (const Reference& r : references) add(total, r);
+            return total;
+        }
+        std::vector<Sum> parts((references.size() + kChunk - 1) / kChunk, empty);
+        for_each_chunk(references.size(), [&](size_t c, size_t first, size_t last) {
+            for (size_t i = first; i < last; ++i) add(parts[c], references[i]);
+        });
+        Sum total = empty;
+        for (const Sum& part : parts) total.add(part);
+        return total;
+    }
+};
+
+// Box of a range's references, and of their centers.
+struct Extent {
+    Box box, centers;
+    void add(const Extent& e) { box.add(e.box), centers.add(e.centers); }
+};
+
+// A way to split; none if the axis is -1. The cost is in triangle tests times half surfaces, without the node's own.
+struct Split {
+    float cost = 3e38f;
+    int axis = -1;
+    uint32_t left_count = 0, right_count = 0;
+    Box left, right;
+};
+
+// Maps centers to bins.
+struct Binning {
+    explicit Binning(const Box& centers) : low(centers.min) {
+        const glm::vec3 extent = centers.max - centers.min;
+        for (int axis = 0; axis < 3; ++axis) scale[axis] = extent[axis] > 0.0f ? float(kBins) * (1.0f - 1e-6f) / extent[axis] : 0.0f;
+    }
+    uint32_t bin(const Reference& r, int axis) const {
+        const float scaled = (r.min[axis] + r.max[axis] - low[axis]) * scale[axis];
+        return scaled > 0.0f ? std::min(static_cast<uint32_t>(scaled), kBins - 1) : 0;
+    }
+    glm::vec3 low, scale;
+};
+
+struct ObjectSplit : Split {
+    uint32_t bin = 0;  // first bin of the second half
+};
+
+ObjectSplit best_binned_split(std::span<const Reference> references, const Binning& binning, const Team& team);
+
+// At most kSweep references. Orders them so that the first left_count are the first half.
+Split best_sweep_split(std::span<Reference> references, const Box& centers);
+
+// ---- in space ----
+
+struct Parts {
+    Box left, right;  // empty: nothing there
+};
+
+// Boxes of the parts of a triangle within `box` on both sides of a plane, rounded outwards: what of the triangle is in `box` is in
+// the two together.
+Parts cut(const shared::BvhTriangle& triangle, const Box& box, int axis, float plane);
+
+struct SpatialSplit : Split {
+    float plane = 0.0f;
+};
+
+// One that costs less than `limit`, if there is any: the axis is chosen by references cut as boxes, and only then triangles are cut.
+SpatialSplit best_spatial_split(std::span<const Reference> references, std::span<const shared::BvhTriangle> triangles, const Box& box, float limit, const Team& team);
+
+// Where a reference goes when its range is split in space: to one side whole, or a part to each.
+Parts part_reference(const Reference& reference, std::span<const shared::BvhTriangle> triangles, const SpatialSplit& split);
+
+}  // namespace parhelion::bvh
