@@ -227,7 +227,7 @@ TEST(ZTest, takes_the_degrees_of_freedom_of_estimated_variances_into_account) {
 TEST(ZTest, gives_uniform_p_to_equal_means_of_few_runs_with_unequal_variances) {
     std::mt19937_64 rng(14);
     std::normal_distribution<double> normal;
-    constexpr size_t kPixels = 4096, kFewRuns = 16;
+    constexpr size_t kPixels = 4096, kFewRuns = 8;
     std::vector<float> mean[2], variance[2];
     for (size_t k = 0; k < 2; ++k)
         for (size_t i = 0; i < kPixels; ++i) {
