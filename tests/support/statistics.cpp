@@ -238,23 +238,42 @@ Equivalence equivalence_test_exact(const Runs& test, const Runs& truth, double m
     return judge(test, truth, margin);
 }
 
+namespace {
+
+// A difference of two values with these variances, in standard errors, and its p.
+struct Difference {
+    double z, p;
+};
+Difference difference(float a, double variance_a, float b, double variance_b, double degrees_of_freedom) {
+    const double rounding = kRounding * std::max(std::abs(a), std::abs(b));
+    const double error = std::max({std::sqrt(variance_a + variance_b), rounding, kTiny}), z = (static_cast<double>(a) - static_cast<double>(b)) / error;
+    const double df = std::isinf(degrees_of_freedom) ? degrees_of_freedom : welch(variance_a, degrees_of_freedom, variance_b, degrees_of_freedom);
+    return {z, std::isfinite(z) ? two_sided_p(z, df) : 0};
+}
+
+}  // namespace
+
 ZTest z_test(std::span<const float> a, std::span<const float> variance_a, std::span<const float> b, std::span<const float> variance_b, double alpha,
              double degrees_of_freedom) {
     require(!a.empty() && a.size() == b.size() && a.size() == variance_a.size() && a.size() == variance_b.size(), "Z-test of planes of different size");
     ZTest out{.threshold = sidak(alpha, a.size())};
     double worst_z = 0;
     for (size_t i = 0; i < a.size(); ++i) {
-        const double va = variance_a[i], vb = variance_b[i];
-        const double rounding = kRounding * std::max(std::abs(a[i]), std::abs(b[i])), difference = static_cast<double>(a[i]) - static_cast<double>(b[i]);
-        const double error = std::max({std::sqrt(va + vb), rounding, kTiny}), z = difference / error;
-        const double df = std::isinf(degrees_of_freedom) ? degrees_of_freedom : welch(va, degrees_of_freedom, vb, degrees_of_freedom);
-        const double p = std::isfinite(z) ? two_sided_p(z, df) : 0;
-        out.below += p < out.threshold;
-        if (p < out.worst_p || i == 0) out.worst_p = p, out.worst_index = i, worst_z = z;
+        const Difference d = difference(a[i], double(variance_a[i]), b[i], double(variance_b[i]), degrees_of_freedom);
+        out.below += d.p < out.threshold;
+        if (d.p < out.worst_p || i == 0) out.worst_p = d.p, out.worst_index = i, worst_z = d.z;
     }
     out.passed = out.worst_p >= out.threshold;
     out.text = fmt::format("worst of {} values at {}: {} and {}, z {:.2f}, p {:.3g}, threshold {:.3g}", a.size(), out.worst_index, a[out.worst_index],
                            b[out.worst_index], worst_z, out.worst_p, out.threshold);
+    return out;
+}
+
+std::vector<double> z_test_p(std::span<const float> a, std::span<const float> variance_a, std::span<const float> b, std::span<const float> variance_b,
+                             double degrees_of_freedom) {
+    require(a.size() == b.size() && a.size() == variance_a.size() && a.size() == variance_b.size(), "Z-test of planes of different size");
+    std::vector<double> out;
+    for (size_t i = 0; i < a.size(); ++i) out.push_back(difference(a[i], double(variance_a[i]), b[i], double(variance_b[i]), degrees_of_freedom).p);
     return out;
 }
 

@@ -93,6 +93,9 @@ struct ZTest {
 // Estimators", 2007. degrees_of_freedom: of the variances, where they are estimated from few runs (per image, n - 1).
 ZTest z_test(std::span<const float> a, std::span<const float> variance_a, std::span<const float> b, std::span<const float> variance_b, double alpha,
              double degrees_of_freedom = std::numeric_limits<double>::infinity());
+// The two-sided p of each value of that test.
+std::vector<double> z_test_p(std::span<const float> a, std::span<const float> variance_a, std::span<const float> b, std::span<const float> variance_b,
+                             double degrees_of_freedom = std::numeric_limits<double>::infinity());
 
 struct ChiSquare {
     double chi2 = 0, degrees_of_freedom = 0;

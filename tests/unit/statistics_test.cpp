@@ -224,6 +224,26 @@ TEST(ZTest, takes_the_degrees_of_freedom_of_estimated_variances_into_account) {
     EXPECT_NEAR(z_test(a, v, b, v, 0.01, 4).worst_p, 2 * t_cdf(-1.0 / std::sqrt(0.1), 8), 1e-7);
 }
 
+TEST(ZTest, gives_uniform_p_to_equal_means_of_few_runs_with_unequal_variances) {
+    std::mt19937_64 rng(14);
+    std::normal_distribution<double> normal;
+    constexpr size_t kPixels = 4096, kFewRuns = 8;
+    std::vector<float> mean[2], variance[2];
+    for (size_t k = 0; k < 2; ++k)
+        for (size_t i = 0; i < kPixels; ++i) {
+            std::vector<double> runs(kFewRuns);
+            for (double& run : runs) run = 5.0 + (k == 0 ? 0.1 : 0.4) * normal(rng);
+            const Moments m = moments(runs);
+            mean[k].push_back(static_cast<float>(m.mean));
+            variance[k].push_back(static_cast<float>(m.variance / double(kFewRuns)));
+        }
+    const std::vector<double> p = z_test_p(mean[0], variance[0], mean[1], variance[1], kFewRuns - 1);
+    EXPECT_GT(kolmogorov_smirnov_test(p, [](double x) { return x; }).p, 0.001);
+    EXPECT_EQ(*std::min_element(p.begin(), p.end()), z_test(mean[0], variance[0], mean[1], variance[1], 0.01, kFewRuns - 1).worst_p);
+    // As if the variances were known, p is not uniform: this test can fail.
+    EXPECT_LT(kolmogorov_smirnov_test(z_test_p(mean[0], variance[0], mean[1], variance[1]), [](double x) { return x; }).p, 0.001);
+}
+
 TEST(ZTest, pixels_without_variance_must_be_equal) {
     const std::vector<float> zero(3, 0.0f), a = {0.0f, 1.0f, 2.0f};
     EXPECT_TRUE(z_test(a, zero, a, zero, 0.01).passed);

@@ -49,6 +49,38 @@ def write_exr(path, planes, attributes=None):
     path.write_bytes(header + table + b"".join(lines))
 
 
+def read_exr(path):
+    """Scan line files of 32-bit channels, ZIP or ZIPS: {"R": float32 [height][width], ...}."""
+    data, at, header = path.read_bytes(), 8, {}
+    while data[at]:
+        name, kind, rest = data[at:].split(b"\0", 2)
+        size = struct.unpack_from("<i", rest)[0]
+        header[name.decode()] = rest[4 : 4 + size]
+        at += len(name) + len(kind) + 6 + size
+    left, top, right, bottom = struct.unpack("<4i", header["dataWindow"])
+    width, height, lines = right - left + 1, bottom - top + 1, {2: 1, 3: 16}[header["compression"][0]]
+    names, rest = [], header["channels"]
+    while rest[0]:
+        name, rest = rest.split(b"\0", 1)
+        names, rest = names + [name.decode()], rest[16:]
+    planes = {name: np.empty((height, width), np.float32) for name in names}
+    for offset in struct.unpack_from(f"<{-(-height // lines)}Q", data, at + 1):
+        y, size = struct.unpack_from("<ii", data, offset)
+        block, count = data[offset + 8 : offset + 8 + size], min(lines, height - y + top)
+        if size != count * width * 4 * len(names):  # packed: see write_exr
+            steps = np.frombuffer(zlib.decompress(block), np.uint8).astype(np.int64)
+            steps[1:] -= 128
+            halves = (np.cumsum(steps) & 255).astype(np.uint8)
+            even = (len(halves) + 1) // 2
+            whole = np.empty_like(halves)
+            whole[0::2], whole[1::2] = halves[:even], halves[even:]
+            block = whole.tobytes()
+        for i, row in enumerate(np.frombuffer(block, "<f4").reshape(count, len(names), width)):
+            for name, values in zip(names, row):
+                planes[name][y - top + i] = values
+    return planes
+
+
 class Glb:
     """A binary glTF file: `json` as a dict, and its one buffer."""
 
