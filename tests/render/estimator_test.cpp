@@ -1,7 +1,8 @@
-// Ways to estimate the same light have the same mean: light sampling, BSDF sampling, both by MIS; with and without roulette;
-// on plain surfaces and on those of layers.
+// Ways to estimate the same light have the same mean: light sampling, BSDF sampling, both by MIS; with and without roulette; on plain
+// surfaces and on those of layers.
 #include <algorithm>
 #include <functional>
+#include <ostream>
 
 #include "scene/builtin/scenes.h"
 #include "scene/shapes.h"
@@ -87,9 +88,10 @@ struct Layered {
     const char* name;
     Material material;
     double margin = 0.015;
-    uint32_t light_samples = 32;   // of a run that samples lights alone, whose weights are the wildest
+    uint32_t light_samples = 32;  // of a run that samples lights alone, whose weights are the wildest
     double light_margin = margin;
 };
+void PrintTo(const Layered& layered, std::ostream* out) { *out << layered.name; }
 
 Material with(Material material, const std::function<void(Material&)>& change) {
     change(material);
