@@ -1,5 +1,6 @@
-// Maps of the unit square onto shapes, each with its density. Random numbers are multiples of 2^-24 in [0, 1). Directions are
-// unit vectors in a frame whose z axis is the normal or the axis.
+// Maps of the unit square onto shapes, each with its density. Where the renderer needs no density by itself, tests alone ask for it:
+// it is part of the triple. Random numbers are multiples of 2^-24 in [0, 1). Directions are unit vectors in a frame whose z axis is
+// the normal or the axis.
 #ifndef PARHELION_LIB_WARP_GLSL
 #define PARHELION_LIB_WARP_GLSL
 

@@ -16,17 +16,13 @@ Hit this_hit() {
 }
 
 #ifdef SHADE_IN_HIT
-#include "scene/hit_view.glsl"
-#include "scene/vertex_payload.glsl"
+#include "scene/asked_vertex.glsl"
 
 void shade(Hit hit) {
     const ViewData view = push.view.data;
-    PathState path = asked_path(Ray(gl_WorldRayOriginEXT, gl_RayTminEXT, gl_WorldRayDirectionEXT, kInfinity, payload.alpha_key));
-    const bool at_first = path.path_class.bounce == 0u;
-    FirstHit first;
-    if (at_first) first = payload.vertex.first;
-    const VertexResult vertex = shade_vertex(view, asked_key(view), hit, path, first);
-    answer_vertex(path, vertex, at_first, first);
+    AskedVertex asked = asked_vertex();
+    const VertexResult vertex = shade_vertex(view, asked_key(view), hit, asked.path, asked.first);
+    answer_vertex(asked.path, vertex, asked.at_first, asked.first);
 }
 
 void main() {

@@ -9,17 +9,13 @@
 
 layout(location = 0) rayPayloadInEXT ClosestPayload payload;
 
-#include "scene/hit_view.glsl"
-#include "scene/vertex_payload.glsl"
+#include "scene/asked_vertex.glsl"
 
 void main() {
     if (!asks_vertex()) return;
-    PathState path = asked_path(Ray(gl_WorldRayOriginEXT, gl_RayTminEXT, gl_WorldRayDirectionEXT, kInfinity, payload.alpha_key));
-    const bool at_first = path.path_class.bounce == 0u;
-    FirstHit first;
-    if (at_first) first = payload.vertex.first;
-    const VertexResult vertex = end_in_sky(push.view.data, path, first);
-    answer_vertex(path, vertex, at_first, first);
+    AskedVertex asked = asked_vertex();
+    const VertexResult vertex = end_in_sky(push.view.data, asked.path, asked.first);
+    answer_vertex(asked.path, vertex, asked.at_first, asked.first);
 }
 #else
 void main() {}

@@ -1,12 +1,11 @@
 #pragma once
 // The BSDF's triple on the device (shaders/bsdf.comp), for its tests.
-#include <cmath>
-#include <random>
 #include <string_view>
 #include <vector>
 
 #include <glm/glm.hpp>
 
+#include "device/given_directions.h"
 #include "scene_gpu/bsdf_tables.h"
 #include "support/gpu_fixture.h"
 
@@ -34,11 +33,6 @@ struct BsdfResult {
     glm::vec3 diffuse, specular, transmission;
 };
 
-inline glm::vec3 direction(double z, double phi) {
-    const double r = std::sqrt(1 - z * z);
-    return {r * std::cos(phi), r * std::sin(phi), z};
-}
-
 class BsdfTest : public GpuTest {
 protected:
     enum Kind : uint32_t { Sample, Evaluate, Furnace, Tables };
@@ -65,11 +59,7 @@ protected:
         return download<BsdfResult>(output);
     }
     std::vector<BsdfResult> sample(const BsdfSurface& surface, glm::vec3 wo, uint32_t count) {
-        std::mt19937 random(11);
-        const auto unit = [&] { return static_cast<float>(random() >> 8) * 0x1p-24f; };
-        std::vector<BsdfInput> inputs(count, {0, wo, {}});
-        for (BsdfInput& i : inputs) i.given.x = unit(), i.given.y = unit(), i.given.z = unit();
-        return run(Sample, {surface}, inputs);
+        return run(Sample, {surface}, with_random_numbers(BsdfInput{0, wo, {}}, count));
     }
     std::vector<BsdfResult> evaluate(const BsdfSurface& surface, glm::vec3 wo, const std::vector<glm::vec3>& directions) {
         std::vector<BsdfInput> inputs;

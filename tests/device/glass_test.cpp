@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <glm/glm.hpp>
 
+#include "device/given_directions.h"
 #include "scene_gpu/bsdf_tables.h"
 #include "support/gpu_fixture.h"
 #include "support/statistics.h"
@@ -33,11 +34,6 @@ struct GlassResult {
     glm::vec3 value_swapped;
     glm::vec3 reflected, transmitted;
 };
-
-glm::vec3 direction(double z, double phi) {
-    const double r = std::sqrt(1 - z * z);
-    return {r * std::cos(phi), r * std::sin(phi), z};
-}
 
 // Born and Wolf, section 1.5: reflectance of a smooth boundary; 1 where reflection is total.
 double fresnel(double cos_o, double eta) {
@@ -65,13 +61,7 @@ protected:
         frame.run();
         return download<GlassResult>(output);
     }
-    std::vector<GlassResult> sample(GlassInput input, uint32_t count) {
-        std::mt19937 random(11);
-        const auto unit = [&] { return static_cast<float>(random() >> 8) * 0x1p-24f; };
-        std::vector<GlassInput> inputs(count, input);
-        for (GlassInput& i : inputs) i.given.x = unit(), i.given.y = unit(), i.given.z = unit();
-        return run(Sample, inputs);
-    }
+    std::vector<GlassResult> sample(const GlassInput& input, uint32_t count) { return run(Sample, with_random_numbers(input, count)); }
     template <class Check>
     static void for_all(Check check) {
         const GlassInput surfaces[] = {{.wo = {}, .roughness = 0.6f, .eta = 1.5f},

@@ -1,5 +1,7 @@
-// Alpha masks have the same holes in every way to trace.
+// Alpha masks have the same holes in every way to trace; what a ray meets of translucent triangles is a function of its key alone.
 #include <random>
+
+#include "lib/hash.glsl"
 
 #include "scene/builtin/scenes.h"
 #include "scene/shapes.h"
@@ -51,6 +53,76 @@ TEST_F(AlphaMasks, of_six_densities_have_the_same_holes_in_every_way_to_trace) {
             EXPECT_GE(double(same) / double(rays.size()), 0.9999) << gpu::trace_way_name(way) << ", open " << open;
         }
     }
+}
+
+// Eight meshes of two geometries of three triangles, all across one beam of rays, which may ask them in any order and more than once:
+// each ray meets the first that its number is for, and is stopped for light exactly if there is one.
+TEST_F(AlphaMasks, a_ray_meets_the_first_translucent_triangle_whose_number_says_so_however_often_it_is_asked) {
+    constexpr float kAlpha = 0.04f;
+    constexpr uint32_t kMeshes = 8, kGeometries = 2, kTriangles = 3, kRays = 8192;
+    SceneEdit edit;
+    Material veil = builtin::lambert("veil", glm::vec3(0.5f));
+    veil.double_sided = true;
+    veil.alpha_mode = AlphaMode::Blend;
+    veil.base_color.a = kAlpha;
+    const Handle<Material> material = edit.add(std::move(veil));
+    for (uint32_t m = 0; m < kMeshes; ++m) {
+        Mesh mesh;
+        for (uint32_t g = 0; g < kGeometries; ++g) {
+            Primitive& primitive = mesh.primitives.emplace_back();
+            primitive.material = material;
+            for (uint32_t t = 0; t < kTriangles; ++t) {
+                const float z = -float((m * kGeometries + g) * kTriangles + t);
+                primitive.positions.insert(primitive.positions.end(), {{-3.0f, -3.0f, z}, {3.0f, -3.0f, z}, {0.0f, 5.0f, z}});
+                primitive.triangles.push_back(glm::uvec3(0, 1, 2) + 3 * t);
+            }
+        }
+        edit.add(Instance{.mesh = edit.add(std::move(mesh))});
+    }
+    Stage stage(make_scene(std::move(edit)));
+    // The ray's index is its key.
+    const auto expected = [](uint32_t ray) {
+        for (uint32_t m = 0; m < kMeshes; ++m)
+            for (uint32_t g = 0; g < kGeometries; ++g)
+                for (uint32_t t = 0; t < kTriangles; ++t)
+                    if (shared::hash_alpha(ray, m, g, t) < kAlpha) return glm::uvec2(m, t);
+        return glm::uvec2(0xFFFFFFFFu);
+    };
+    const std::vector<TestRay> rays(kRays, {{0.1f, 0.2f, 1.0f}, {0.0f, 0.0f, -1.0f}});
+    for (const gpu::TraceWay way : kWays) {
+        if (!device()->caps().supports(way)) continue;
+        const std::vector<TestFound> found = trace_rays(stage, way, rays);
+        for (uint32_t i = 0; i < kRays; ++i) {
+            const glm::uvec2 first = expected(i);
+            ASSERT_EQ(found[i].instance, first.x) << gpu::trace_way_name(way) << ", ray " << i;
+            if (found[i].hit()) {
+                ASSERT_EQ(found[i].primitive, first.y) << gpu::trace_way_name(way) << ", ray " << i;
+            }
+            ASSERT_EQ(found[i].visible_now, !found[i].hit()) << gpu::trace_way_name(way) << ", ray " << i;
+            ASSERT_EQ(found[i].visible_before, !found[i].hit()) << gpu::trace_way_name(way) << ", ray " << i;
+        }
+    }
+}
+
+// The camera's ray and the ray that leaves the ground cross one black veil under a white sky, each with a chance of its own.
+TEST_F(AlphaMasks, the_rays_of_two_bounces_pass_a_veil_independently) {
+    constexpr float kAlpha = 0.4f;
+    SceneEdit edit;
+    Primitive ground, sheet;
+    add_quad(ground, {-900.0f, 0.0f, 900.0f}, {1800.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -1800.0f});
+    add_quad(sheet, {-900.0f, 1.0f, 900.0f}, {1800.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -1800.0f});
+    Material veil = builtin::lambert("veil", glm::vec3(0.0f));
+    veil.double_sided = true;
+    veil.alpha_mode = AlphaMode::Blend;
+    veil.base_color.a = kAlpha;
+    builtin::add_object(edit, "ground", std::move(ground), edit.add(builtin::lambert("ground", glm::vec3(1.0f))));
+    builtin::add_object(edit, "veil", std::move(sheet), edit.add(std::move(veil)));
+    edit.set_environment({.scale = glm::vec3(1.0f)});
+    Stage stage(make_scene(std::move(edit)));
+    // BSDF sampling in constant light: nothing but the veil is random.
+    const image::ImageF picture = stage.picture({.view = {.width = 32, .height = 32, .max_bounces = 1, .light_sampling = 2}, .camera = camera_from_above(2.0f, 0.5f), .sample_count = 128});
+    const auto plane = picture.plane(0);
+    expect_mean({plane.begin(), plane.end()}, (1.0 - double(kAlpha)) * (1.0 - double(kAlpha)), 0.02, "crossed twice");
 }
 
 }  // namespace parhelion::testing

@@ -243,6 +243,25 @@ TEST_F(CliRender, the_same_command_gives_identical_files_that_do_not_name_the_ma
     }
 }
 
+// A CPU driver runs a dispatch on as many threads as LP_NUM_THREADS says (0: on the submitting one); others do not read it. Of every
+// way to trace, sums, variances and classes of light are the same bits.
+TEST_F(CliRender, the_number_of_threads_changes_no_bit) {
+    const Words job{"render", "builtin:cornell", "--size", "40x24", "--spp", "2", "--exposure", "3", "--max-bounces", "3", "--aov", "variance,path.*", "--out", "a.exr"};
+    for (const gpu::TraceWay way : {gpu::TraceWay::Query, gpu::TraceWay::Pipeline, gpu::TraceWay::Compute}) {
+        if (!shared_device()->caps().supports(way)) continue;
+        std::string of_one_thread;
+        for (const char* threads : {"0", "1", "2", "7"}) {
+            const ProcessOptions options{.environment = {{"LP_NUM_THREADS", threads}}, .folder = folder.path()};
+            const ProcessResult result = run_parhelion(job + Words{"--trace", std::string(gpu::trace_way_name(way))}, options);
+            ASSERT_EQ(result.exit_code, 0) << result.err;
+            const std::string bytes = read_bytes(file("a.exr"));
+            if (of_one_thread.empty()) of_one_thread = bytes;
+            EXPECT_GT(bytes.size(), 1000u);
+            EXPECT_TRUE(bytes == of_one_thread) << gpu::trace_way_name(way) << " on " << threads << " threads";
+        }
+    }
+}
+
 TEST_F(CliRender, an_existing_file_is_kept_when_the_job_fails) {
     write_text_file(file("a.exr"), "precious");
     EXPECT_EQ(run_parhelion({"render", file("none.glb"), "--out", file("a.exr")}).exit_code, 1);

@@ -113,9 +113,12 @@ TEST_P(Convergence, is_as_fast_as_the_sampler_allows) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Convergence,
-                         ::testing::Values(Scenery{"cornell", 1, PixelFilter::Point, false}, Scenery{"diffuse-box", 1, PixelFilter::Point, true},
-                                           Scenery{"lamp", 1, PixelFilter::Point, true}, Scenery{"spheres", 1, PixelFilter::Point, false}),
-                         [](const auto& given) { return given.param.name == std::string("diffuse-box") ? "box" : given.param.name; });
+                         ::testing::Values(Scenery{"cornell", 1, PixelFilter::Point, false}, Scenery{"cornell", 4, PixelFilter::Box, false}, Scenery{"diffuse-box", 1, PixelFilter::Point, true},
+                                           Scenery{"lamp", 1, PixelFilter::Box, true}, Scenery{"spheres", 3, PixelFilter::Box, false}),
+                         [](const auto& given) {
+                             const Scenery& s = given.param;
+                             return fmt::format("{}_{}_{}", s.name == std::string("diffuse-box") ? "box" : s.name, s.max_bounces, s.filter == PixelFilter::Box ? "filtered" : "point");
+                         });
 
 }  // namespace
 }  // namespace parhelion::testing

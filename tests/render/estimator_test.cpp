@@ -1,8 +1,12 @@
-// Ways to estimate the same light have the same mean: light sampling, BSDF sampling, both by MIS; with and without roulette.
+// Ways to estimate the same light have the same mean: light sampling, BSDF sampling, both by MIS; with and without roulette; on plain
+// surfaces and on those of layers.
 #include <algorithm>
+#include <functional>
+#include <ostream>
 
 #include "scene/builtin/scenes.h"
 #include "scene/shapes.h"
+#include "shared/scene.h"
 #include "support/render_fixture.h"
 #include "support/statistics.h"
 
@@ -78,6 +82,75 @@ TEST_F(Estimators, a_firefly_clamp_limits_what_comes_after_the_first_scattering)
     }
     EXPECT_GT(most, 0.1);  // there was something to clamp
 }
+
+// The same on surfaces of layers and of glass: a ball on a floor under a sky, one half of which is bright.
+struct Layered {
+    const char* name;
+    Material material;
+    double margin = 0.015;
+    uint32_t light_samples = 32;  // of a run that samples lights alone, whose weights are the wildest
+    double light_margin = margin;
+};
+void PrintTo(const Layered& layered, std::ostream* out) { *out << layered.name; }
+
+Material with(Material material, const std::function<void(Material&)>& change) {
+    change(material);
+    return material;
+}
+
+class LayeredEstimators : public GpuTest, public ::testing::WithParamInterface<Layered> {
+protected:
+    static constexpr uint32_t kSize = 16, kRuns = 32;
+
+    static Scene room(const Material& material) {
+        SceneEdit edit;
+        Primitive floor;
+        add_quad(floor, {-4.0f, -0.8f, 4.0f}, {8.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -8.0f});
+        builtin::add_object(edit, "floor", std::move(floor), edit.add(builtin::lambert("floor", {0.6f, 0.7f, 0.4f})));
+        builtin::add_object(edit, "ball", make_sphere(0.8f, 8, false), edit.add(material));
+        Environment sky{.width = 8, .height = 4, .scale = glm::vec3(1.0f)};
+        for (uint32_t i = 0; i < 32; ++i) sky.radiance.push_back(glm::vec3(i % 8 < 4 ? 1.5f : 0.5f));
+        edit.set_environment(std::move(sky));
+        builtin::add_camera(edit, "front", {0.3f, 0.5f, 3.0f}, {0.0f, -0.1f, 0.0f}, 0.5f);
+        return make_scene(std::move(edit));
+    }
+    static Runs runs(Stage& stage, uint32_t light_sampling, uint32_t roulette_start, uint32_t first_seed, uint32_t samples) {
+        Runs out(kSize, kSize);
+        for (uint32_t run = 0; run < kRuns; ++run)
+            out.add_run(stage
+                            .picture({.view = {.width = kSize, .height = kSize, .seed = first_seed + run, .max_bounces = 5, .roulette_start = roulette_start, .light_sampling = light_sampling},
+                                      .sample_count = samples})
+                            .plane(1));
+        return out;
+    }
+};
+
+// Against MIS with roulette. False alarm: 1e-3 a comparison by the mean, 1e-3 by the tiles; three comparisons a material.
+TEST_P(LayeredEstimators, every_way_to_sample_has_one_mean_with_and_without_roulette) {
+    constexpr uint32_t kNever = 1u << 20;
+    Stage stage(room(GetParam().material));
+    const Runs mis = runs(stage, 0, 2, 1000, 16);
+    ASSERT_NE(stage.scene_gpu.features() & shared::kSceneLayers, 0u);
+    const auto expect_same = [&](const Runs& test, double margin, const char* what) {
+        const Equivalence result = equivalence_test(test, mis, margin);
+        EXPECT_TRUE(result.passed) << what << ": " << result.text;
+    };
+    expect_same(runs(stage, 1, 2, 2000, GetParam().light_samples), GetParam().light_margin, "light sampling alone");
+    expect_same(runs(stage, 2, 2, 3000, 16), GetParam().margin, "BSDF sampling alone");
+    expect_same(runs(stage, 0, kNever, 4000, 16), GetParam().margin, "no roulette");
+}
+
+const Material kPlain = builtin::glossy("ball", {0.8f, 0.6f, 0.5f}, 0.0f, 0.7f);
+INSTANTIATE_TEST_SUITE_P(
+    Materials, LayeredEstimators,
+    ::testing::Values(
+        Layered{"rough_glass", with(kPlain, [](Material& m) { m.transmission = m.thickness = m.attenuation_distance = 1.0f, m.attenuation_color = {0.5f, 0.6f, 0.8f}, m.ior = 1.3f; }), 0.02, 96, 0.03},
+        Layered{"thin_rough_glass", with(kPlain, [](Material& m) { m.roughness = 0.6f, m.transmission = 0.8f; }), 0.02},
+        Layered{"clear_coat", with(kPlain, [](Material& m) { m.clearcoat = 1.0f, m.clearcoat_roughness = 0.5f; })},
+        Layered{"sheen", with(kPlain, [](Material& m) { m.sheen_color = {0.9f, 0.8f, 0.7f}, m.sheen_roughness = 0.4f; })},
+        Layered{"coat_over_sheen_over_metal",
+                with(kPlain, [](Material& m) { m.metallic = 1.0f, m.clearcoat = 0.8f, m.clearcoat_roughness = 0.6f, m.sheen_color = {0.5f, 0.6f, 0.7f}, m.sheen_roughness = 0.5f; })}),
+    [](const auto& given) { return std::string(given.param.name); });
 
 }  // namespace
 }  // namespace parhelion::testing

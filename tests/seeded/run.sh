@@ -2,8 +2,10 @@
 # Seeded bugs: applies each row of bugs.tsv to a copy of the shaders, compiles those that read the file into a pack of its own
 # (PARHELION_SHADER_DIR) and expects the named tests to fail. Prints the killing test. A missing barrier is seeded by the tests
 # themselves (each_barrier_left_out_draws_a_complaint), a wrong merge by a wrong film (merged_parts_are_the_whole_bit_for_bit).
-#     tests/seeded/run.sh BUILD_FOLDER [NAME...]       the build must be up to date; JOBS bugs run side by side (all cores)
+#     tests/seeded/run.sh BUILD_FOLDER [NAME...]       the build must be up to date; JOBS bugs run side by side (all cores),
+#                                                  LIMIT seconds each (600; more where others use the machine)
 set -u
+limit=${LIMIT:-600}
 root=$(cd "$(dirname "$0")/../.." && pwd)
 build=$(cd "${1:?usage: run.sh BUILD_FOLDER [NAME...]}" && pwd)
 shift
@@ -37,21 +39,24 @@ compile_pack() {
 }
 
 # A test that fails anyway kills nothing.
-passes_without_bugs() { LP_NUM_THREADS=0 timeout 600 "$build/tests/$1" --gtest_filter="$2" >"$work/control.$BASHPID" 2>&1; }
+passes_without_bugs() { LP_NUM_THREADS=0 timeout "$limit" "$build/tests/$1" --gtest_filter="$2" >"$work/control.$BASHPID" 2>&1; }
 
 # One row of the table.
 try_bug() {
-    local name=$1 file=$2 from=$3 to=$4 program=$5 filter=$6 tree=$work/$1 out killer
+    local name=$1 file=$2 from=$3 to=$4 program=$5 filter=$6 tree=$work/$1 out killer status
     mkdir -p "$tree/src" "$tree/tests/device"
     cp -r "$root/tests/device/shaders" "$tree/tests/device/shaders"
     cp -r "$root/shaders" "$tree/shaders"
     cp -r "$root/src/passes" "$tree/src/passes"
     FROM=$from TO=$to perl -0pi -e 's/\Q$ENV{FROM}\E/$ENV{TO}/ or die "the text is not there\n"' "$tree/$file" || { echo "$name: does not apply to $file"; return; }
     compile_pack "$tree" shaders "$file" && compile_pack "$tree" test_shaders "$file" || { echo "$name: does not compile"; return; }
-    out=$(PARHELION_SHADER_DIR=$tree LP_NUM_THREADS=0 timeout 600 "$build/tests/$program" --gtest_filter="$filter" --gtest_fail_fast 2>&1)
+    out=$(PARHELION_SHADER_DIR=$tree LP_NUM_THREADS=0 timeout "$limit" "$build/tests/$program" --gtest_filter="$filter" --gtest_fail_fast 2>&1)
+    status=$?
     killer=$(grep -m1 -E '^\[  FAILED  \]' <<<"$out" | sed 's/^\[  FAILED  \] //; s/ (.*//; s/,.*//')
     if [ -n "$killer" ] && ! passes_without_bugs "$program" "$killer"; then echo "$name: NOT TRIED, $killer fails without it"
-    elif [ -n "$killer" ]; then echo "$name: killed by $killer"; else echo "$name: SURVIVED ($(tail -n 1 <<<"$out"))"; fi
+    elif [ -n "$killer" ]; then echo "$name: killed by $killer"
+    elif [ "$status" -eq 124 ]; then echo "$name: NOT FINISHED in $limit s"
+    else echo "$name: SURVIVED ($(tail -n 1 <<<"$out"))"; fi
     rm -rf "$tree"
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -244,20 +245,37 @@ TEST(Sampler, every_key_of_an_alpha_test_counts) {
     EXPECT_EQ(shared::hash_alpha(ray, 1, 2, 3), shared::hash_alpha(ray, 1, 2, 3));
 }
 
-// Two panes of alpha 0.3 let (1 - 0.3)^2 through: stacked instances for one ray, and camera and shadow ray for one pane. Ten
-// million trials would be needed to see a bias of 0.1 %; these 2^18 see one of 0.5 % (five standard deviations, 6e-7 each).
+// Two panes of alpha 0.3 let (1 - 0.3)^2 through: stacked instances or triangles for one ray; one pane for the camera ray and the
+// shadow ray of a pixel's sample, for the rays of two bounces, of two samples, of neighbouring pixels. 2^18 trials each see a bias
+// of 0.5 % (five standard deviations: 6e-7 each), and a correlation of the numbers themselves of 0.01 (as many).
 TEST(Sampler, alpha_tests_of_two_surfaces_or_two_rays_are_independent) {
-    int stacked = 0, rays = 0;
+    struct Asked {
+        glm::uvec2 pixel;
+        uint32_t sample = 0, bounce = 0, kind = 0, instance = 0, primitive = 9;
+        float number() const { return shared::hash_alpha(shared::hash_ray(pixel, sample, 0, bounce, kind), instance, 0, primitive); }
+    };
+    const std::pair<const char*, std::function<void(Asked&)>> pairs[] = {{"instances", [](Asked& a) { a.instance = 1; }},
+                                                                         {"triangles", [](Asked& a) { a.primitive = 8; }},
+                                                                         {"camera and shadow ray", [](Asked& a) { a.kind = 1; }},
+                                                                         {"bounces", [](Asked& a) { a.bounce = 1; }},
+                                                                         {"bounces far apart", [](Asked& a) { a.bounce = 4; }},
+                                                                         {"shadow ray and the next bounce's path", [](Asked& a) { a.bounce = 1, a.kind = 1; }},
+                                                                         {"samples", [](Asked& a) { a.sample += 1; }},
+                                                                         {"pixels", [](Asked& a) { a.pixel.x += 1; }}};
     constexpr int kTrials = 1 << 18;
-    for (uint32_t i = 0; i < kTrials; ++i) {
-        const glm::uvec2 pixel(i % 512, i / 512 % 16);
-        const uint32_t camera = shared::hash_ray(pixel, i / 8192, 0, 0, 0), shadow = shared::hash_ray(pixel, i / 8192, 0, 0, 1);
-        const bool through = shared::hash_alpha(camera, 0, 0, 9) >= 0.3f;
-        stacked += through && shared::hash_alpha(camera, 1, 0, 9) >= 0.3f;
-        rays += through && shared::hash_alpha(shadow, 0, 0, 9) >= 0.3f;
+    for (const auto& [what, change] : pairs) {
+        int both = 0;
+        std::vector<float> first, second;
+        for (uint32_t i = 0; i < kTrials; ++i) {
+            const Asked one{.pixel = {i % 512, i / 512 % 16}, .sample = i / 8192};
+            Asked other = one;
+            change(other);
+            first.push_back(one.number()), second.push_back(other.number());
+            both += first.back() >= 0.3f && second.back() >= 0.3f;
+        }
+        EXPECT_NEAR(both / double(kTrials), 0.49, 0.005) << what;
+        EXPECT_LT(std::abs(correlation(first, second)), 0.01) << what;
     }
-    EXPECT_NEAR(stacked / double(kTrials), 0.49, 0.005);
-    EXPECT_NEAR(rays / double(kTrials), 0.49, 0.005);
 }
 
 }  // namespace
