@@ -16,6 +16,7 @@ if(PARHELION_BUILD_TESTS)
     find_package(GTest REQUIRED)
 endif()
 find_program(SPIRV_VAL spirv-val REQUIRED)
+find_program(SPIRV_OPT spirv-opt REQUIRED)
 
 find_path(VMA_INCLUDE_DIR vk_mem_alloc.h HINTS ${PARHELION_DEPS_ROOT}/usr/include REQUIRED)
 find_path(SPIRV_CROSS_INCLUDE_DIR spirv_cross_c.h PATH_SUFFIXES spirv_cross REQUIRED)

@@ -6,6 +6,7 @@
 #   name.rchit|.rahit|.rmiss      the scene's hit shaders
 #   a line "// variants: A B+C"   also compiled with -DA, and with -DB -DC
 #   "// pipeline variants: ..."    of a .trace file: those of the pipeline way only
+#   variant~                      of the compute way, after spirv-opt, for GPUs: an eighth faster there, a fifth slower on a CPU device
 set(PARHELION_SHADER_ROOT ${CMAKE_SOURCE_DIR}/shaders)
 
 add_executable(shader_pack tools/shader_pack.cpp)
@@ -25,6 +26,19 @@ function(parhelion_compile_shader source name variant stage)
         DEPENDS ${source} DEPFILE ${spv}.d COMMENT "Shader ${name} ${variant}" VERBATIM)
     set(shader_outputs ${shader_outputs} ${spv} PARENT_SCOPE)
     set(shader_manifest "${shader_manifest}${name}\t${variant}\t${stage}\t${spv}\n" PARENT_SCOPE)
+endfunction()
+
+# The same after spirv-opt: variant~.
+function(parhelion_optimize_shader name variant stage)
+    string(MAKE_C_IDENTIFIER "${name}.${variant}.${stage}" id)
+    set(spv ${shader_dir}/${id}.spv)
+    set(optimized ${shader_dir}/${id}.optimized.spv)
+    add_custom_command(OUTPUT ${optimized}
+        COMMAND ${SPIRV_OPT} -O --preserve-bindings ${spv} -o ${optimized}
+        COMMAND ${SPIRV_VAL} --target-env vulkan1.3 --scalar-block-layout ${optimized}
+        DEPENDS ${spv} COMMENT "Shader ${name} ${variant}~" VERBATIM)
+    set(shader_outputs ${shader_outputs} ${optimized} PARENT_SCOPE)
+    set(shader_manifest "${shader_manifest}${name}\t${variant}~\t${stage}\t${optimized}\n" PARENT_SCOPE)
 endfunction()
 
 # parhelion_shader_pack(PACK folder=prefix...): PACK.pack in the build folder and a library parhelion_PACK_embedded with its
@@ -62,6 +76,7 @@ function(parhelion_shader_pack pack)
                 elseif(kind STREQUAL "trace")
                     parhelion_compile_shader(${source} ${name} "query${suffix}" compute -DTRACE_QUERY ${flags})
                     parhelion_compile_shader(${source} ${name} "compute${suffix}" compute -DTRACE_COMPUTE ${flags})
+                    parhelion_optimize_shader(${name} "compute${suffix}" compute)
                     parhelion_compile_shader(${source} ${name} "pipeline${suffix}" rgen -DTRACE_PIPELINE ${flags})
                 else()
                     parhelion_compile_shader(${source} ${name} "${suffix}" ${kind} -DTRACE_PIPELINE ${flags})

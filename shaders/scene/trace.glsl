@@ -29,11 +29,11 @@ bool trace_visible(Ray ray, uint moment) { return trace_visible(ray, moment, kAl
 #if defined(TRACE_PIPELINE)
 void main() { invoke(gl_LaunchIDEXT.xy); }
 #else
-// A tile of 8x4 keeps the rays of a subgroup close together; in Morton order, those of a subgroup of 8 or 16 too.
-layout(local_size_x = 8, local_size_y = 4) in;
+// A tile of 8x8 in Morton order keeps the rays of a subgroup close together, of 8, 16 or 32 of them.
+layout(local_size_x = 8, local_size_y = 8) in;
 void main() {
-    const uvec2 id = gl_GlobalInvocationID.xy, at = id & uvec2(7u, 3u);  // of the tile: by rows, as subgroups are made
-    const uvec2 in_order = uvec2((at.x & 1u) | (at.x >> 1 & 2u) | (at.y << 1 & 4u), (at.x >> 1 & 1u) | (at.y << 1 & 2u));
+    const uvec2 id = gl_GlobalInvocationID.xy, at = id & uvec2(7u, 7u);  // of the tile: by rows, as subgroups are made
+    const uvec2 in_order = uvec2((at.x & 1u) | (at.x >> 1 & 2u) | (at.y << 1 & 4u), (at.x >> 1 & 1u) | (at.y << 1 & 2u) | (at.y & 4u));
     invoke((id - at) + in_order);
 }
 #endif

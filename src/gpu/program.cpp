@@ -43,6 +43,12 @@ const ShaderCode& require(const ShaderPack& pack, std::string_view name, std::st
                 "shaders.pack", "build it again");
 }
 
+// What was optimised for GPUs (variant~), where there is such a thing and the device is one.
+const ShaderCode& compute_code(const ShaderPack& pack, std::string_view name, std::string_view variant, const DeviceCaps& caps) {
+    const ShaderCode* optimized = caps.type == DeviceType::Cpu ? nullptr : pack.find(name, fmt::format("{}~", variant), Stage::Compute);
+    return optimized ? *optimized : require(pack, name, variant, Stage::Compute);
+}
+
 // Set 0 must be the scene set, set 1 must fit a push descriptor set, and there is no other.
 void check_bindings(const Device::Impl& device, const ShaderCode& code) {
     uint32_t pushed = 0;
@@ -236,7 +242,8 @@ void Program::Data::destroy(Device::Impl& device) noexcept {
 }
 
 Program Program::get(const DevicePtr& device, const ShaderPack& pack, std::string_view name, std::string_view variant, bool ray_tracing, uint32_t constant) {
-    RayStages stages{&require(pack, name, variant, ray_tracing ? Stage::Raygen : Stage::Compute), nullptr, nullptr, nullptr, nullptr};
+    const ShaderCode& first = ray_tracing ? require(pack, name, variant, Stage::Raygen) : compute_code(pack, name, variant, device->caps());
+    RayStages stages{&first, nullptr, nullptr, nullptr, nullptr};
     Hasher hash;
     if (ray_tracing) add_scene_stages(pack, variant, stages);
     for (const ShaderCode* code : stages.all()) hash.add(code ? code->hash : 0);
