@@ -73,8 +73,8 @@ SHARED_FN QuantisedAxis quantise_axis(vec4 low, vec4 high, uvec4 child) {
     const float smallest = 1e-30f;  // keeps products normal, as devices may flush others to zero
     QuantisedAxis axis;
     axis.origin = first <= last ? first : 0.0f;
+    // A step of the scale is at least 2^-16 of it and the quotient good to 2^-22, so plane 255 does not lie below `last`.
     axis.scale = next_scale(first <= last ? max((last - first) * (1.0f / 255.0f), smallest) : smallest);
-    while (quantised_plane(axis.origin, axis.scale, 255.0f) < last) axis.scale = next_scale(axis.scale);
     axis.low = (child.x != kBvhEmpty ? quantise_down(axis.origin, axis.scale, low.x) : 255u) | (child.y != kBvhEmpty ? quantise_down(axis.origin, axis.scale, low.y) : 255u) << 8 |
                (child.z != kBvhEmpty ? quantise_down(axis.origin, axis.scale, low.z) : 255u) << 16 | (child.w != kBvhEmpty ? quantise_down(axis.origin, axis.scale, low.w) : 255u) << 24;
     axis.high = (child.x != kBvhEmpty ? quantise_up(axis.origin, axis.scale, high.x) : 0u) | (child.y != kBvhEmpty ? quantise_up(axis.origin, axis.scale, high.y) : 0u) << 8 |

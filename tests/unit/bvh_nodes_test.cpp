@@ -38,6 +38,20 @@ TEST(BvhNodes, quantised_boxes_contain_the_given_ones_to_the_last_bit) {
             low[c] = std::min(a, b), high[c] = std::max(a, b);
             child[c] = random.below(5) == 0 ? kBvhEmpty : random.below(1000);
         }
+        if (i % 2 == 0) {
+            // Child 0 spans the whole; the others begin and end next to planes, where a quotient rounds to the wrong side.
+            for (int c = 1; c < 4; ++c) low[0] = std::min(low[0], low[c]), high[0] = std::max(high[0], high[c]);
+            child[0] = 0;
+            const shared::QuantisedAxis whole = shared::quantise_axis(low, high, child);
+            for (int c = 1; c < 4; ++c) {
+                const auto near_plane = [&](float toward) {
+                    const float plane = shared::quantised_plane(whole.origin, whole.scale, static_cast<float>(random.below(256)));
+                    return std::clamp(std::nextafter(plane, toward), low[0], high[0]);
+                };
+                const float a = near_plane(-3e38f), b = near_plane(3e38f);
+                low[c] = std::min(a, b), high[c] = std::max(a, b);
+            }
+        }
         const shared::QuantisedAxis axis = shared::quantise_axis(low, high, child);
         ASSERT_EQ(std::bit_cast<uint32_t>(axis.scale) & 0xFFu, 0u) << "a product with 8 bits would be rounded";
         ASSERT_GT(axis.scale, 0.0f);
