@@ -161,7 +161,7 @@ void SceneGpu::State::place_own_top(std::span<const uint32_t> drawn, std::span<M
     stats.own_bottom_bytes = 0;
     for (const Handle<Mesh> handle : wanted_meshes) {
         MeshOnDevice& mesh = meshes.at(handle);
-        mesh.own_flags = own_flags(opacity_flags(*scene, scene->get(handle), options.culling));
+        if (materials_stale || !mesh.own_flags) mesh.own_flags = own_flags(opacity_flags(*scene, scene->get(handle), options.culling));
         stats.own_bottom_bytes += mesh.own_node_count * bvh::node_bytes(layout) + mesh.own_triangle_count * sizeof(shared::BvhTriangle);
     }
     const auto start = std::chrono::steady_clock::now();
@@ -170,7 +170,7 @@ void SceneGpu::State::place_own_top(std::span<const uint32_t> drawn, std::span<M
         for (size_t i = begin; i < end; ++i) {
             const MeshOnDevice& mesh = *drawn_mesh[i];
             const Instance& instance = scene->get(instance_handles[drawn[i]]);
-            items[i] = bvh::make_top_item(mesh.own_root, static_cast<uint32_t>(mesh.own_nodes), instance.place.world_from_object, drawn[i], instance.ray_mask, own_flags(mesh.own_flags, instance.opacity));
+            items[i] = bvh::make_top_item(mesh.own_root, static_cast<uint32_t>(mesh.own_nodes), instance.place.world_from_object, drawn[i], instance.ray_mask, own_flags(*mesh.own_flags, instance.opacity));
         }
     });
     next.plain = std::ranges::all_of(items, [](const bvh::TopItem& item) { return (item.item.flags & shared::kBvhOpaque) == shared::kBvhOpaque; });
