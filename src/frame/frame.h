@@ -130,7 +130,7 @@ public:
     void copy(const gpu::Buffer& from, uint64_t from_offset, const gpu::Buffer& to, uint64_t to_offset, uint64_t bytes);
     gpu::Buffer read_back(const gpu::Buffer& from);  // mapped copy, valid after completion
     gpu::Buffer read_back(const gpu::Image& from);
-    // Bottom levels that may be built side by side, out of these buffers.
+    // Bottom levels that may be built side by side, or all be refitted (gpu::BlasBuild::refit_from), out of these buffers.
     void build_blas(std::vector<gpu::BlasBuild> builds, const std::vector<gpu::Buffer>& inputs);
     // The sizes that they would have compacted: sizes.read() once the frame is done.
     void measure_blas(std::vector<gpu::AccelStruct> blases, const gpu::AccelSizes& sizes);
