@@ -4,11 +4,10 @@
 // test is watertight, and boxes are tested with margins for every rounding on the way (Ize 2013, "Robust BVH Ray Traversal").
 #ifndef PARHELION_LIB_TRAVERSE_GLSL
 #define PARHELION_LIB_TRAVERSE_GLSL
+#include "lib/bvh_nodes.glsl"
 #include "lib/ray_triangle.glsl"
-#include "shared/bvh.h"
 SHARED_BEGIN
 
-SHARED_ARRAY_16(BvhNodes, BvhNode)
 SHARED_ARRAY_16(BvhTriangles, BvhTriangle)
 SHARED_ARRAY_16(BvhTopItems, BvhTopItem)
 
@@ -79,7 +78,7 @@ SHARED_FN bool is_nearer(bool found, TraversalHit best, float t, uint instance, 
 SHARED_FN bool intersect_leaf(uint64_t triangles, uint index, ShearedRay sheared, TraversalRay ray, uint instance, bool any, bool found, SHARED_INOUT(TraversalHit) best) {
     uint rest = 1u;
     for (; rest != 0u; ++index) {
-        const BvhTriangle triangle = BvhTriangles(triangles).v[index];
+        const BvhTriangle triangle = BvhTriangles(row_address(triangles, index, 48u)).v[0];
         rest = triangle.rest;
         TriangleHit hit;
         if (!intersect_watertight(sheared, triangle.p0, triangle.p1, triangle.p2, hit)) continue;
@@ -97,7 +96,7 @@ SHARED_FN bool intersect_leaf(uint64_t triangles, uint index, ShearedRay sheared
 }
 
 // any: ends at the first hit that counts. Returns whether there is a hit, in `best`.
-SHARED_FN bool traverse(BvhAddresses bvh, TraversalRay ray, bool any, SHARED_INOUT(TraversalHit) best) {
+SHARED_FN bool traverse(BvhAddresses bvh, uint layout_of_nodes, TraversalRay ray, bool any, SHARED_INOUT(TraversalHit) best) {
     uint stack[kBvhStackSize];
     float stack_t[kBvhStackSize];
     uint height = 0u, bottom_height = 0u, current = 0u, instance = 0u;
@@ -108,7 +107,7 @@ SHARED_FN bool traverse(BvhAddresses bvh, TraversalRay ray, bool any, SHARED_INO
     best.t = ray.t_max;
     while (true) {
         if ((current & kBvhLeaf) == 0u) {
-            const BvhNode node = BvhNodes(nodes).v[current];
+            const BvhNode node = fetch_node(nodes, current, layout_of_nodes);
             vec4 t = intersect_children(node, box_ray, ray.t_min, best.t);
             uvec4 child = node.child;
             order_pair(t.x, child.x, t.z, child.z);
@@ -124,7 +123,7 @@ SHARED_FN bool traverse(BvhAddresses bvh, TraversalRay ray, bool any, SHARED_INO
         }
         // Not `else`: a leaf that was just found is looked at in the same round, together with the leaves of other rays.
         if (current != kBvhEmpty && !in_bottom) {
-            const BvhTopItem item = BvhTopItems(bvh.top_items).v[current & kBvhItemMask];
+            const BvhTopItem item = BvhTopItems(row_address(bvh.top_items, current & kBvhItemMask, 64u)).v[0];
             if ((item.mask & ray.mask) != 0u) {
                 const vec3 p = ray.origin_ws - item.origin_ws, d = ray.direction_ws;
                 SHARED_PRECISE const vec3 origin = vec3(dot(item.row0, p), dot(item.row1, p), dot(item.row2, p));
@@ -157,12 +156,12 @@ SHARED_FN bool traverse(BvhAddresses bvh, TraversalRay ray, bool any, SHARED_INO
 }
 
 // The nearest hit; false for none, `hit` then undefined.
-SHARED_FN bool traverse_closest(BvhAddresses bvh, TraversalRay ray, SHARED_INOUT(TraversalHit) hit) { return traverse(bvh, ray, false, hit); }
+SHARED_FN bool traverse_closest(BvhAddresses bvh, uint layout_of_nodes, TraversalRay ray, SHARED_INOUT(TraversalHit) hit) { return traverse(bvh, layout_of_nodes, ray, false, hit); }
 
 // Whether there is any hit.
-SHARED_FN bool traverse_any(BvhAddresses bvh, TraversalRay ray) {
+SHARED_FN bool traverse_any(BvhAddresses bvh, uint layout_of_nodes, TraversalRay ray) {
     TraversalHit hit;
-    return traverse(bvh, ray, true, hit);
+    return traverse(bvh, layout_of_nodes, ray, true, hit);
 }
 
 SHARED_END

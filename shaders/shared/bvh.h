@@ -1,26 +1,48 @@
-// Our own acceleration structure: a bottom level per mesh, a top level over instances, the same 4-wide nodes in both.
-// One layout for every device: float boxes, four wide, are the fastest on the CPU device and within a fifth of two-wide ones on
-// a GPU without ray tracing hardware; 60 to 70 bytes a triangle.
+// Our own acceleration structure: a bottom level per mesh, a top level over instances, nodes of the same layout in both.
 #ifndef PARHELION_SHARED_BVH_H
 #define PARHELION_SHARED_BVH_H
 #include "shared/types.h"
 SHARED_BEGIN
 
-// BvhNode::child: kBvhEmpty; or an inner node's index in its node array; or kBvhLeaf | first item, where an item is a
+// A child of a node: kBvhEmpty; or an inner node's index in its node array; or kBvhLeaf | first item, where an item is a
 // BvhTriangle in a bottom level and a BvhTopItem in the top level.
 SHARED_CONST uint kBvhEmpty = 0xFFFFFFFFu;
 SHARED_CONST uint kBvhLeaf = 0x80000000u;
 SHARED_CONST uint kBvhItemMask = 0x7FFFFFFFu;
 SHARED_CONST uint kBvhMaxLeaf = 4u;  // triangles in a leaf; a leaf of the top level holds one instance
 
-// The builder keeps every tree within this many levels of nodes. A traversal that goes down one level leaves at most three
-// siblings on its stack, and it is in one top and one bottom level at once: a stack of this size cannot overflow.
-SHARED_CONST uint kBvhTopDepth = 12u;
-SHARED_CONST uint kBvhBottomDepth = 18u;
-SHARED_CONST uint kBvhStackSize = 3u * (kBvhTopDepth + kBvhBottomDepth);
+// The layouts of nodes. A device traces one of them; which, is constant 0 of its tracing programs.
+SHARED_CONST uint kBvhBinary = 0u;   // BvhNodeBinary
+SHARED_CONST uint kBvhFour = 1u;     // BvhNode
+SHARED_CONST uint kBvhCompact = 2u;  // BvhNodeCompact
 
+// The builder keeps every tree within this many levels of two-wide nodes, or half as many of four-wide ones. A traversal that goes
+// down one level leaves at most one sibling on its stack, or three, and it is in one top and one bottom level at once: a stack of
+// this size cannot overflow.
+SHARED_CONST uint kBvhTopLevels = 24u;
+SHARED_CONST uint kBvhBottomLevels = 36u;
+SHARED_CONST uint kBvhStackSize = 3u * (kBvhTopLevels + kBvhBottomLevels) / 2u;
+
+// Four children, float boxes. Also what nodes of the other layouts are made from and read into (lib/bvh_nodes.glsl).
 struct BvhNode {
     vec4 min_x, max_x, min_y, max_y, min_z, max_z;  // of the four children; empty ones have min > max
+    uvec4 child;
+};
+
+// Two children, float boxes; 64 bytes.
+struct BvhNodeBinary {
+    vec4 x, y, z;  // minima of both children, maxima of both
+    uvec2 child;
+    uvec2 pad;
+};
+
+// Four children whose boxes have 8 bits a plane; 64 bytes. A plane lies at origin + n scale, rounded once: n scale is exact.
+struct BvhNodeCompact {
+    vec3 origin;
+    uint min_x;  // n of the four children, the first in the lowest byte
+    vec3 scale;  // of at most 16 significant bits
+    uint max_x;
+    uint min_y, max_y, min_z, max_z;
     uvec4 child;
 };
 
@@ -50,8 +72,8 @@ struct BvhTopItem {
 
 // Where the levels lie on the device.
 struct BvhAddresses {
-    uint64_t top_nodes, top_items;            // BvhNode[], BvhTopItem[]
-    uint64_t bottom_nodes, bottom_triangles;  // BvhNode[], BvhTriangle[]
+    uint64_t top_nodes, top_items;            // nodes of one layout, BvhTopItem[]
+    uint64_t bottom_nodes, bottom_triangles;  // nodes of the same layout, BvhTriangle[]
 };
 
 struct TraversalRay {

@@ -25,9 +25,13 @@ struct HostArray {
 
 // GLSL's built-in functions that such files use.
 using glm::abs;
+using glm::ceil;
 using glm::dot;
+using glm::floatBitsToUint;
+using glm::floor;
 using glm::max;
 using glm::min;
+using glm::uintBitsToFloat;
 constexpr int findMSB(uint v) { return 31 - std::countl_zero(v); }
 constexpr int findLSB(uint v) { return v == 0u ? -1 : std::countr_zero(v); }
 constexpr uint bitfieldReverse(uint v) {

@@ -147,9 +147,9 @@ struct SceneHeader {
     uint64_t emitter_table;      // AliasEntry[emitter_count]
     uint64_t triangle_tables;    // AliasEntry[], one table per emissive geometry, in object space
     uint64_t environment_table;  // AliasEntry[table_width * table_height], their pmf a density per solid angle
-    uint64_t bottom_nodes;       // own BVH (shared/bvh.h): BvhNode[]
+    uint64_t bottom_nodes;       // own BVH (shared/bvh.h): nodes
     uint64_t bottom_triangles;   // BvhTriangle[]
-    uint64_t top_nodes, top_items;                // BvhNode[], BvhTopItem[]
+    uint64_t top_nodes, top_items;                // nodes, BvhTopItem[]
     uint64_t top_nodes_before, top_items_before;  // of the previous frame
     uint64_t sobol;              // uint[kSobolDimensions * 32]
     uint64_t blue_noise;         // uint[128 * 128 / 2], two 16-bit ranks a word

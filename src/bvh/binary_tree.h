@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "bvh/bvh.h"
+#include "bvh/wide_tree.h"
 
 namespace parhelion::bvh {
 

@@ -7,7 +7,7 @@
 
 namespace parhelion::bvh {
 
-static_assert(sizeof(shared::BvhNode) == 112 && sizeof(shared::BvhTriangle) == 48 && sizeof(shared::BvhTopItem) == 64);
+static_assert(sizeof(shared::BvhTriangle) == 48 && sizeof(shared::BvhTopItem) == 64);
 
 namespace {
 
@@ -32,15 +32,6 @@ void read_triangles(std::span<const BottomGeometry> geometries, std::vector<shar
         });
         first += geometry.triangles.size();
     }
-}
-
-// Appends a tree's nodes, whose references become those of shared arrays.
-void append_nodes(std::vector<shared::BvhNode>& to, const std::vector<shared::BvhNode>& from, uint32_t first_item) {
-    const uint32_t first_node = static_cast<uint32_t>(to.size());
-    to.insert(to.end(), from.begin(), from.end());
-    for (size_t n = first_node; n < to.size(); ++n)
-        for (int c = 0; c < 4; ++c)
-            if (to[n].child[c] != shared::kBvhEmpty) to[n].child[c] += (to[n].child[c] & shared::kBvhLeaf) != 0 ? first_item : first_node;
 }
 
 glm::dmat3 absolute(const glm::dmat3& m) { return {glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2])}; }
@@ -81,11 +72,11 @@ uint32_t add_bottom(Bottoms& bottoms, std::span<const BottomGeometry> geometries
     std::vector<shared::BvhTriangle> triangles(count);
     std::vector<Box> boxes(count);
     read_triangles(geometries, triangles, boxes);
-    const WideTree tree = build_wide_tree(boxes, shared::kBvhMaxLeaf, shared::kBvhBottomDepth);
+    const WideTree tree = build_wide_tree(boxes, node_width(bottoms.nodes.layout), shared::kBvhMaxLeaf, max_bottom_depth(bottoms.nodes.layout));
 
     const size_t first_triangle = bottoms.triangles.size();
     bottoms.roots.push_back(static_cast<uint32_t>(bottoms.nodes.size()));
-    append_nodes(bottoms.nodes, tree.nodes, static_cast<uint32_t>(first_triangle));
+    bottoms.nodes.append(tree, static_cast<uint32_t>(first_triangle));
     bottoms.triangles.resize(first_triangle + tree.order.size());
     parallel_for(tree.order.size(), kGrain, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
@@ -98,7 +89,7 @@ uint32_t add_bottom(Bottoms& bottoms, std::span<const BottomGeometry> geometries
 
 TopItem make_top_item(const Bottoms& bottoms, uint32_t mesh, const glm::mat4& world_from_object, uint32_t instance, uint32_t mask) {
     const uint32_t root = bottoms.roots.at(mesh);
-    return make_top_item(bottoms.nodes[root], root, world_from_object, instance, mask);
+    return make_top_item(bottoms.nodes.read(root), root, world_from_object, instance, mask);
 }
 
 TopItem make_top_item(const shared::BvhNode& root_node, uint32_t root, const glm::mat4& world_from_object, uint32_t instance, uint32_t mask) {
@@ -117,14 +108,14 @@ TopItem make_top_item(const shared::BvhNode& root_node, uint32_t root, const glm
     return out;
 }
 
-Top build_top(std::span<const TopItem> items) {
-    if (items.size() > size_t(1) << (2 * shared::kBvhTopDepth))
+Top build_top(std::span<const TopItem> items, Layout layout) {
+    if (items.size() > size_t(1) << shared::kBvhTopLevels)
         throw Error(ErrorCode::Failed, fmt::format("the scene has {} instances; our own BVH holds 2^24", items.size()), "own BVH", "trace by pipeline or query");
     std::vector<Box> boxes(items.size());
     for (size_t i = 0; i < items.size(); ++i) boxes[i] = items[i].box_ws;
-    WideTree tree = build_wide_tree(boxes, 1, shared::kBvhTopDepth);
-    Top top;
-    top.nodes = std::move(tree.nodes);
+    const WideTree tree = build_wide_tree(boxes, node_width(layout), 1, max_top_depth(layout));
+    Top top{.nodes = {.layout = layout, .words = {}}, .items = {}};
+    top.nodes.append(tree, 0);
     top.items.reserve(tree.order.size());
     for (const uint32_t i : tree.order) top.items.push_back(items[i].item);
     return top;

@@ -1,27 +1,17 @@
 #pragma once
 // Builder of our own two-level BVH (shared/bvh.h): a bottom level per mesh, a top level over instances, both by binned SAH
-// (Wald 2007) and collapsed to 4-wide nodes. Depths are bounded by construction, so that no traversal stack can overflow. The
+// (Wald 2007) and collapsed to the width of the
+// nodes' layout. Depths are bounded by construction, so that no traversal stack can overflow. The
 // result depends on the input alone, not on the number of threads.
 #include <span>
 #include <vector>
 
 #include <glm/glm.hpp>
 
+#include "bvh/nodes.h"
 #include "shared/bvh.h"
 
 namespace parhelion::bvh {
-
-struct Box {
-    glm::vec3 min{3e38f}, max{-3e38f};  // empty
-    void add(glm::vec3 p) { min = glm::min(min, p), max = glm::max(max, p); }
-    void add(const Box& b) { min = glm::min(min, b.min), max = glm::max(max, b.max); }
-    bool empty() const { return !(min.x <= max.x); }
-    // Half its surface, the SAH's measure; 0 if empty.
-    float half_area() const {
-        const glm::vec3 d = max - min;
-        return empty() ? 0.0f : d.x * d.y + d.y * d.z + d.z * d.x;
-    }
-};
 
 // ---- bottom levels ----
 
@@ -33,12 +23,12 @@ struct BottomGeometry {
 
 // Every mesh's bottom level in shared arrays, as they are uploaded.
 struct Bottoms {
-    std::vector<shared::BvhNode> nodes;
+    Nodes nodes;
     std::vector<shared::BvhTriangle> triangles;
     std::vector<uint32_t> roots;  // by mesh
 };
 
-// Adds a mesh; returns its index in `roots`. Every triangle is in exactly one leaf, degenerate ones too (no ray hits them);
+// Adds a mesh, in the layout that bottoms.nodes has; returns its index in `roots`. Every triangle is in exactly one leaf, degenerate ones too (no ray hits them);
 // those with a corner that is not finite or beyond +-1e18 are left out. Throws Error beyond 2^31 triangles or nodes in all.
 uint32_t add_bottom(Bottoms& bottoms, std::span<const BottomGeometry> geometries);
 
@@ -58,22 +48,11 @@ TopItem make_top_item(const Bottoms& bottoms, uint32_t mesh, const glm::mat4& wo
 TopItem make_top_item(const shared::BvhNode& root_node, uint32_t root, const glm::mat4& world_from_object, uint32_t instance, uint32_t mask = 0xFFu);
 
 struct Top {
-    std::vector<shared::BvhNode> nodes;  // the root is node 0; an empty scene has one node with four empty children
+    Nodes nodes;  // the root is node 0; an empty scene has one node with no children
     std::vector<shared::BvhTopItem> items;
 };
 
 // At most 2^24 instances (the depth bound); throws Error beyond.
-Top build_top(std::span<const TopItem> items);
-
-// ---- the tree under both ----
-
-struct WideTree {
-    std::vector<shared::BvhNode> nodes;  // the root is node 0; leaves refer to `order`
-    std::vector<uint32_t> order;         // leaf by leaf: indices of boxes. Empty boxes are in no leaf.
-    std::vector<uint8_t> rest;           // items of the same leaf that follow, by position in `order`
-};
-
-// At most max_leaf (a power of two) boxes in a leaf and max_depth levels of nodes; needs boxes.size() <= max_leaf * 4^max_depth.
-WideTree build_wide_tree(std::span<const Box> boxes, uint32_t max_leaf, uint32_t max_depth);
+Top build_top(std::span<const TopItem> items, Layout layout);
 
 }  // namespace parhelion::bvh

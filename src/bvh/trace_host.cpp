@@ -1,5 +1,6 @@
 #include "bvh/trace_host.h"
 
+#include "base/error.h"
 #include "lib/traverse.glsl"
 
 namespace parhelion::shared {
@@ -24,19 +25,24 @@ uint64_t address(const std::vector<T>& v) {
 }
 
 shared::BvhAddresses addresses(const Bottoms& bottoms, const Top& top) {
-    return {address(top.nodes), address(top.items), address(bottoms.nodes), address(bottoms.triangles)};
+    return {address(top.nodes.words), address(top.items), address(bottoms.nodes.words), address(bottoms.triangles)};
+}
+
+uint32_t layout_of(const Bottoms& bottoms, const Top& top) {
+    PARHELION_CHECK(bottoms.nodes.layout == top.nodes.layout, "a top level of layout {} over bottom levels of layout {}", layout_name(top.nodes.layout), layout_name(bottoms.nodes.layout));
+    return static_cast<uint32_t>(top.nodes.layout);
 }
 
 }  // namespace
 
 bool trace_closest_host(const Bottoms& bottoms, const Top& top, const shared::TraversalRay& ray, shared::TraversalHit& hit, const AcceptHit& accept) {
     shared::current_accept = &accept;
-    return shared::traverse_closest(addresses(bottoms, top), ray, hit);
+    return shared::traverse_closest(addresses(bottoms, top), layout_of(bottoms, top), ray, hit);
 }
 
 bool trace_any_host(const Bottoms& bottoms, const Top& top, const shared::TraversalRay& ray, const AcceptHit& accept) {
     shared::current_accept = &accept;
-    return shared::traverse_any(addresses(bottoms, top), ray);
+    return shared::traverse_any(addresses(bottoms, top), layout_of(bottoms, top), ray);
 }
 
 }  // namespace parhelion::bvh

@@ -59,12 +59,14 @@ void Frame::reset_history(std::string_view reason) {
 }
 
 Pass Frame::compute(std::string_view name, std::string_view defines) {
-    return {*this, gpu::Program::get(device_, pack_, name, defines, false), false};
+    Pass pass(*this, std::string(name), std::string(defines), false);
+    pass.program();  // complains here if there is no such shader
+    return pass;
 }
 
 Pass Frame::trace(std::string_view name, gpu::TraceWay way, std::string_view defines) {
     const bool pipeline = way == gpu::TraceWay::Pipeline;
-    return {*this, gpu::Program::get(device_, pack_, name, fmt::format("{}{}", gpu::trace_way_name(way), defines), pipeline), pipeline};
+    return {*this, std::string(name), fmt::format("{}{}", gpu::trace_way_name(way), defines), pipeline};
 }
 
 void Frame::add(Record record) { records_.push_back(std::move(record)); }

@@ -45,6 +45,7 @@ struct SceneBinding {
     std::vector<gpu::Buffer> buffers;
     std::vector<gpu::Image> textures;
     std::vector<gpu::AccelStruct> accels;
+    uint32_t node_layout = 0;  // of our own acceleration structure: constant 0 of the programs that trace it
 };
 
 // A resource that outlives the frame: this frame's and last frame's instance.
@@ -82,7 +83,9 @@ private:
         gpu::Sampler sampler;
         bool reads, writes;
     };
-    Pass(Frame& frame, gpu::Program program, bool ray_tracing) : frame_(frame), program_(std::move(program)), ray_tracing_(ray_tracing) {}
+    Pass(Frame& frame, std::string name, std::string variant, bool ray_tracing)
+        : frame_(frame), name_(std::move(name)), variant_(std::move(variant)), ray_tracing_(ray_tracing) {}
+    const gpu::Program& program();  // made when it is first needed: the scene's layout of nodes is a constant in it
     Pass& bind(std::string_view name, std::variant<gpu::Buffer, gpu::Image> resource, bool reads, bool writes, const gpu::Sampler& sampler = {});
     Pass& push_bytes(const void* data, size_t bytes);
     gpu::Use use(bool reads, bool writes) const;
@@ -90,8 +93,9 @@ private:
     void finish(std::string extent, std::function<void(gpu::CommandList&)> launch, std::vector<Access> accesses);
 
     Frame& frame_;
-    gpu::Program program_;
+    std::string name_, variant_;
     bool ray_tracing_;
+    gpu::Program program_;
     std::vector<Bound> bound_;
     std::vector<std::byte> push_;
     const SceneBinding* scene_ = nullptr;

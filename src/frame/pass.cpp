@@ -28,7 +28,7 @@ const std::string& name_of(const std::variant<gpu::Buffer, gpu::Image>& resource
 }  // namespace
 
 Pass& Pass::bind(std::string_view name, std::variant<gpu::Buffer, gpu::Image> resource, bool reads, bool writes, const gpu::Sampler& sampler) {
-    PARHELION_CHECK(id_of(resource) != nullptr, "pass {}: '{}' is bound to an empty resource", program_.code().name, name);
+    PARHELION_CHECK(id_of(resource) != nullptr, "pass {}: '{}' is bound to an empty resource", name_, name);
     bound_.push_back({std::string(name), std::move(resource), sampler, reads, writes});
     return *this;
 }
@@ -42,14 +42,20 @@ Pass& Pass::sample(std::string_view name, const gpu::Image& image, const gpu::Sa
 
 Pass& Pass::scene(const SceneBinding& scene) {
     scene_ = &scene;
+    if (program_ && program_.code().has_constant) program_ = {};  // its constant may be another
     return *this;
+}
+
+const gpu::Program& Pass::program() {
+    if (!program_) program_ = gpu::Program::get(frame_.device_, frame_.pack_, name_, variant_, ray_tracing_, scene_ ? scene_->node_layout : 0);
+    return program_;
 }
 
 Pass& Pass::push_bytes(const void* data, size_t bytes) {
     // C++ pads a struct with addresses to a multiple of 8 bytes at its end; scalar layout does not.
-    const uint32_t declared = program_.code().push_bytes;
+    const uint32_t declared = program().code().push_bytes;
     PARHELION_CHECK(bytes == declared || bytes == (declared + 7u) / 8u * 8u, "pass {} {}: the push constants are {} bytes, the shader declares {}",
-                    program_.code().name, program_.code().variant, bytes, declared);
+                    name_, variant_, bytes, declared);
     push_.resize(declared);
     std::memcpy(push_.data(), data, declared);
     return *this;
@@ -62,7 +68,7 @@ Use Pass::use(bool reads, bool writes) const {
 
 // Matches what is bound against what the shader declares, both ways, names and access.
 void Pass::resolve(std::vector<Binding>& bindings, std::vector<Access>& accesses) {
-    const gpu::ShaderCode& code = program_.code();
+    const gpu::ShaderCode& code = program().code();
     std::vector<std::string> missing, access_errors;
     std::vector<bool> used(bound_.size(), false);
     const auto take = [&](const std::string& name, bool reads, bool writes, Bound*& bound) {
@@ -109,8 +115,8 @@ void Pass::finish(std::string extent, std::function<void(gpu::CommandList&)> lau
     std::vector<Binding> bindings;
     resolve(bindings, accesses);
     Frame::Record record;
-    record.info.name = program_.code().name;
-    record.info.variant = program_.code().variant;
+    record.info.name = name_;
+    record.info.variant = variant_;
     record.info.extent = std::move(extent);
     for (const Bound& bound : bound_) {
         std::visit([&](const auto& r) { frame_.keep(r.data()); }, bound.resource);
@@ -141,7 +147,7 @@ void Pass::finish(std::string extent, std::function<void(gpu::CommandList&)> lau
 void Pass::over(uint32_t width, uint32_t height, uint32_t depth) {
     std::string extent = fmt::format("{}x{}", width, height) + (depth > 1 ? fmt::format("x{}", depth) : "");
     if (ray_tracing_) return finish(std::move(extent), [=](gpu::CommandList& commands) { commands.trace(width, height, depth); }, {});
-    const uint32_t* local = program_.code().local_size;
+    const uint32_t* local = program().code().local_size;
     const uint32_t x = (width + local[0] - 1) / local[0], y = (height + local[1] - 1) / local[1], z = (depth + local[2] - 1) / local[2];
     finish(std::move(extent), [=](gpu::CommandList& commands) { commands.dispatch(x, y, z); }, {});
 }

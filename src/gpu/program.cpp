@@ -106,7 +106,7 @@ VkPipelineShaderStageCreateInfo stage_info(const Module& module, Stage stage) {
     return info;
 }
 
-void make_compute(Device::Impl& device, Program::Data& data, const ShaderCode& code) {
+void make_compute(Device::Impl& device, Program::Data& data, const ShaderCode& code, uint32_t constant) {
     const VkPhysicalDeviceLimits& limits = device.physical.limits;
     const uint64_t invocations = uint64_t(code.local_size[0]) * code.local_size[1] * code.local_size[2];
     if (invocations > limits.maxComputeWorkGroupInvocations)
@@ -115,7 +115,10 @@ void make_compute(Device::Impl& device, Program::Data& data, const ShaderCode& c
     make_layouts(device, data, VK_SHADER_STAGE_COMPUTE_BIT);
     const Module module(device, code);
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
+    const VkSpecializationMapEntry entry{0, 0, sizeof(constant)};
+    const VkSpecializationInfo constants{1, &entry, sizeof(constant), &constant};
     info.stage = stage_info(module, Stage::Compute);
+    if (code.has_constant) info.stage.pSpecializationInfo = &constants;
     info.layout = data.layout;
     PARHELION_VK(fmt::format("{}: {}", device.name(), code.name), device.vk.vkCreateComputePipelines(device.device, device.pipeline_cache, 1, &info, nullptr, &data.pipeline));
 }
@@ -200,7 +203,7 @@ void add_scene_stages(const ShaderPack& pack, std::string_view variant, RayStage
     stages.any_hit = &require(pack, kHitName, defines, Stage::AnyHit);
 }
 
-std::shared_ptr<Program::Data> make_program(Device::Impl& device, const RayStages& stages, bool ray_tracing) {
+std::shared_ptr<Program::Data> make_program(Device::Impl& device, const RayStages& stages, bool ray_tracing, uint32_t constant) {
     const auto data = std::make_shared<Program::Data>();
     data->code = *stages.raygen;
     data->code.words.clear();
@@ -213,7 +216,7 @@ std::shared_ptr<Program::Data> make_program(Device::Impl& device, const RayStage
             data->scene_set = data->scene_set || sees_scene(*code);
         }
         if (ray_tracing) make_ray_tracing(device, *data, stages);
-        else make_compute(device, *data, *stages.raygen);
+        else make_compute(device, *data, *stages.raygen, constant);
     } catch (...) {
         data->destroy(device);
         throw;
@@ -232,11 +235,12 @@ void Program::Data::destroy(Device::Impl& device) noexcept {
     pipeline = nullptr, layout = nullptr, set1 = nullptr;
 }
 
-Program Program::get(const DevicePtr& device, const ShaderPack& pack, std::string_view name, std::string_view variant, bool ray_tracing) {
+Program Program::get(const DevicePtr& device, const ShaderPack& pack, std::string_view name, std::string_view variant, bool ray_tracing, uint32_t constant) {
     RayStages stages{&require(pack, name, variant, ray_tracing ? Stage::Raygen : Stage::Compute), nullptr, nullptr, nullptr, nullptr};
     Hasher hash;
     if (ray_tracing) add_scene_stages(pack, variant, stages);
     for (const ShaderCode* code : stages.all()) hash.add(code ? code->hash : 0);
+    if (stages.raygen->has_constant) hash.add(constant);
     const std::pair key(hash.value(), fmt::format("{}\n{}\n{}", name, variant, ray_tracing));
     Device::Impl& impl = device->impl();
     std::shared_ptr<Data> data;
@@ -245,7 +249,7 @@ Program Program::get(const DevicePtr& device, const ShaderPack& pack, std::strin
         if (const auto found = impl.programs.find(key); found != impl.programs.end()) data = found->second;
     }
     if (!data) {
-        data = make_program(impl, stages, ray_tracing);
+        data = make_program(impl, stages, ray_tracing, constant);
         std::unique_lock lock(impl.mutex);
         const auto [kept, is_new] = impl.programs.emplace(key, data);
         lock.unlock();

@@ -51,6 +51,7 @@ struct ShaderCode {
     std::vector<ShaderStruct> structs;
     std::vector<uint32_t> words;
     uint64_t hash = 0;  // of the words
+    bool has_constant = false;  // declares a specialization constant; the only one that is set is number 0, a uint
 };
 
 // The parsed pack. Throws Error for a pack that is not one of ours.
@@ -72,9 +73,10 @@ class Program {
 public:
     struct Data;
     Program() = default;
-    // Cached per device by (pack, name, variant). Throws Error if the pack lacks it or its declared set 1 is not push-descriptor
-    // compatible. `way` picks the stage: Pipeline makes a ray tracing pipeline.
-    static Program get(const DevicePtr& device, const ShaderPack& pack, std::string_view name, std::string_view variant, bool ray_tracing);
+    // Cached per device by (pack, name, variant, constant). Throws Error if the pack lacks it or its declared set 1 is not push-descriptor
+    // compatible. `way` picks the stage: Pipeline makes a ray tracing pipeline. `constant`: value of specialization constant 0, for
+    // compute shaders that declare it.
+    static Program get(const DevicePtr& device, const ShaderPack& pack, std::string_view name, std::string_view variant, bool ray_tracing, uint32_t constant = 0);
 
     explicit operator bool() const { return data_ != nullptr; }
     const ShaderCode& code() const;  // of the compute shader or raygen

@@ -57,6 +57,18 @@ private:
     std::span<const std::byte> rest_;
 };
 
+// Whether an OpDecorate gives something a SpecId. Decorations come before the types.
+bool declares_constant(std::span<const uint32_t> words) {
+    constexpr uint32_t kOpDecorate = 71, kOpTypeVoid = 19, kSpecId = 1, kHeaderWords = 5;
+    for (size_t i = kHeaderWords; i < words.size();) {
+        const uint32_t op = words[i] & 0xFFFFu, length = words[i] >> 16;
+        if (op == kOpTypeVoid || length == 0) return false;
+        if (op == kOpDecorate && length >= 4 && i + 2 < words.size() && words[i + 2] == kSpecId) return true;
+        i += length;
+    }
+    return false;
+}
+
 ShaderBinding read_binding(Reader& in) {
     ShaderBinding out;
     out.name = in.text();
@@ -106,6 +118,7 @@ ShaderCode read_shader(Reader& in) {
     std::memcpy(out.words.data(), words.data(), words.size());
     if (out.words[0] != kSpirvMagic) Reader::fail("a shader is not SPIR-V");
     out.hash = hash_bytes(words.data(), words.size());
+    out.has_constant = declares_constant(out.words);
     return out;
 }
 

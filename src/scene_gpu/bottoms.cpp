@@ -36,15 +36,8 @@ DriverFlags driver_flags(const Scene& scene, const Mesh& mesh, bool culling) {
 // A tree is built with numbers of its own; where it is copied to, they become those of the shared arrays.
 RowSource SceneGpu::State::own_node_rows(const MeshOnDevice& mesh) const {
     const auto first_node = static_cast<uint32_t>(mesh.own_nodes), first_triangle = static_cast<uint32_t>(mesh.own_triangles);
-    return {bottom_nodes.buffer(), mesh.own_nodes * sizeof(shared::BvhNode), sizeof(shared::BvhNode), mesh.own_node_count,
-            [&tree = *mesh.own_host, first_node, first_triangle](std::byte* to, uint64_t first, uint64_t count) {
-                for (uint64_t i = 0; i < count; ++i) {
-                    shared::BvhNode node = tree.nodes[first + i];
-                    for (int c = 0; c < 4; ++c)
-                        if (node.child[c] != shared::kBvhEmpty) node.child[c] += (node.child[c] & shared::kBvhLeaf) != 0 ? first_triangle : first_node;
-                    std::memcpy(to + i * sizeof(node), &node, sizeof(node));
-                }
-            }};
+    return {bottom_nodes.buffer(), mesh.own_nodes * bvh::node_bytes(layout), bvh::node_bytes(layout), mesh.own_node_count,
+            [&tree = *mesh.own_host, first_node, first_triangle](std::byte* to, uint64_t first, uint64_t count) { tree.nodes.copy(first, count, first_node, first_triangle, to); }};
 }
 
 RowSource SceneGpu::State::own_triangle_rows(const MeshOnDevice& mesh) const {
@@ -64,6 +57,7 @@ void SceneGpu::State::build_own_bottoms(Frame& frame, Slice& slice) {
             std::vector<bvh::BottomGeometry> geometries_of_mesh;
             for (const Primitive& p : scene->get(handle).primitives) geometries_of_mesh.push_back({p.positions, p.triangles});
             mesh.own_host = std::make_unique<bvh::Bottoms>();
+            mesh.own_host->nodes.layout = layout;
             bvh::add_bottom(*mesh.own_host, geometries_of_mesh);
             stats.own_build_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
             slice.take_triangles(mesh.triangle_count);
@@ -73,7 +67,7 @@ void SceneGpu::State::build_own_bottoms(Frame& frame, Slice& slice) {
             mesh.own_triangles = bottom_triangles.take(frame, mesh.own_triangle_count);
             if (mesh.own_nodes + mesh.own_node_count > shared::kBvhItemMask || mesh.own_triangles + mesh.own_triangle_count > shared::kBvhItemMask)
                 throw Error(ErrorCode::Failed, "the scene has more than 2^31 triangles", "own BVH", "trace by pipeline or query");
-            mesh.own_root = mesh.own_host->nodes[mesh.own_host->roots.front()];
+            mesh.own_root = mesh.own_host->nodes.read(mesh.own_host->roots.front());
         }
         const RowSource rows[] = {own_node_rows(mesh), own_triangle_rows(mesh)};
         if (!upload_rows(frame, slice, rows, mesh.own_done_rows)) return;

@@ -71,7 +71,7 @@ void SceneGpu::State::plan_meshes() {
         at->second.triangle_count = mesh.triangle_count;
         new_bytes += at->second.bytes + 64 * mesh.primitives.size();  // arrays are aligned
         new_triangles += mesh.triangle_count;
-        new_nodes += mesh.triangle_count / 5 + 1;  // about; more make the array grow
+        new_nodes += mesh.triangle_count / (layout == bvh::Layout::Binary ? 2 : 5) + 1;  // about; more make the array grow
     }
     // What has never been seen may go at once.
     forget_meshes([](const MeshOnDevice& mesh) { return !mesh.wanted && mesh.drawn_at == 0; });

@@ -101,8 +101,13 @@ void SceneGpu::State::place_instances() {
         next.kept.erase(std::ranges::unique(next.kept, {}, &gpu::AccelStruct::id).begin(), next.kept.end());
     }
     if (options.own_bvh) {
-        bvh::Top top = bvh::build_top(own);
-        next.nodes = make_table("top_nodes", std::move(top.nodes));
+        stats.node_layout = bvh::layout_name(layout);
+        stats.own_bottom_bytes = 0;
+        for (const Handle<Mesh> handle : wanted_meshes)
+            stats.own_bottom_bytes += meshes.at(handle).own_node_count * bvh::node_bytes(layout) + meshes.at(handle).own_triangle_count * sizeof(shared::BvhTriangle);
+        bvh::Top top = bvh::build_top(own, layout);
+        stats.own_top_bytes = top.nodes.bytes() + top.items.size() * sizeof(shared::BvhTopItem);
+        next.nodes = make_table("top_nodes", std::move(top.nodes.words));
         next.items = make_table("top_items", std::move(top.items));
     }
 }

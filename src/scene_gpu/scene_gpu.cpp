@@ -8,8 +8,9 @@ namespace parhelion {
 SceneGpu::State::State(gpu::DevicePtr the_device, const SceneGpuOptions& the_options)
     : device(std::move(the_device)),
       options(the_options),
+      layout(choose_node_layout(device->caps(), options.node_layout)),
       geometry_pool(device, "scene/geometry", options.geometry_buffer_bytes),
-      bottom_nodes(device, "scene/bottom_nodes", sizeof(shared::BvhNode)),
+      bottom_nodes(device, "scene/bottom_nodes", bvh::node_bytes(layout)),
       bottom_triangles(device, "scene/bottom_triangles", sizeof(shared::BvhTriangle)) {}
 
 SceneGpu::SceneGpu(gpu::DevicePtr device, const SceneGpuOptions& options) : state_(std::make_unique<State>(std::move(device), options)) {}
@@ -68,7 +69,7 @@ void SceneGpu::finish(Frame& frame) {
 // Another scene has handles of its own: nothing that is here may be found by them. What is drawn now stays until the new is there.
 void SceneGpu::State::begin_anew() {
     geometry_pool = BufferPool(device, "scene/geometry", options.geometry_buffer_bytes);
-    bottom_nodes = RowArray(device, "scene/bottom_nodes", sizeof(shared::BvhNode));
+    bottom_nodes = RowArray(device, "scene/bottom_nodes", bvh::node_bytes(layout));
     bottom_triangles = RowArray(device, "scene/bottom_triangles", sizeof(shared::BvhTriangle));
     geometry_rows = FreeRanges(1ull << 32);
     meshes.clear();

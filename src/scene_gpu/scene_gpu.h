@@ -11,11 +11,15 @@
 
 namespace parhelion {
 
+// Layout of our own acceleration structure's nodes (shared/bvh.h). Auto: what is fastest on devices of this class.
+enum class NodeLayout : uint32_t { Auto, Binary, Four, Compact };
+
 struct SceneGpuOptions {
     bool culling = true;           // single-sided surfaces are invisible from behind; false shows them
     float infinite_share = 0.5f;   // share of light samples for environment and directional lights where others exist too; in (0, 1), or one of them is lost
     bool hardware = true;          // build the driver's acceleration structures (pipeline, query), where the device has them
     bool own_bvh = true;           // build our own (compute)
+    NodeLayout node_layout = NodeLayout::Auto;
     bool compact = true;           // give back what the driver's bottom levels do not need
     // What one update() records, about: what cannot be divided (a row of an image, a mesh's bottom level) is done whole.
     uint64_t slice_bytes = 64ull << 20;      // of uploads; also bounds the scratch memory of builds, at four times as much
@@ -27,6 +31,8 @@ struct SceneGpuStats {
     uint64_t triangles = 0, instanced_triangles = 0, emissive_triangles = 0;
     uint32_t meshes = 0, instances = 0, materials = 0, textures = 0, emitters = 0;
     double own_build_seconds = 0;  // host time of our bottom levels
+    uint64_t own_bottom_bytes = 0, own_top_bytes = 0;  // of our own: nodes with triangles, nodes with instances
+    std::string_view node_layout;                      // of our own, by name
     uint64_t bottom_bytes_built = 0, bottom_bytes = 0;  // the driver's bottom levels as they were built, and as they are now
 };
 

@@ -81,6 +81,10 @@ struct EmissivePart {
     std::shared_ptr<const EmissiveTable> table;  // none: it is black
     bool same_light(const EmissivePart& other) const;
 };
+
+// The layout that is fastest on devices of this class, by measurement, or the one asked for.
+bvh::Layout choose_node_layout(const gpu::DeviceCaps& caps, NodeLayout choice);
+
 // Alias rows of non-negative weights. All-zero weights become equal ones: a table must return something.
 std::vector<shared::AliasEntry> make_alias_rows(std::span<const double> weights);
 
@@ -94,6 +98,7 @@ struct SceneGpu::State {
     gpu::DevicePtr device;
     SceneGpuOptions options;
     const Scene* scene = nullptr;
+    bvh::Layout layout;  // of our own nodes
     State(gpu::DevicePtr the_device, const SceneGpuOptions& the_options);
 
     // What sync() said since the tables were last made.

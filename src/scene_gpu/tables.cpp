@@ -93,7 +93,8 @@ void SceneGpu::State::write_header(Frame& frame) {
     binding = {.set = set,
                .buffers = geometry_pool.buffers(),
                .textures = {},
-               .accels = {}};
+               .accels = {},
+               .node_layout = static_cast<uint32_t>(layout)};
     for (const gpu::Buffer& buffer : {block, geometry_table, material_table, texture_table, instance_table, emitter_table, emitter_alias, triangle_alias, geometry_emitters,
                                       environment_alias, suns, sampler_tables, bsdf_tables, bottom_nodes.buffer(), bottom_triangles.buffer(), now.nodes, now.items, past.nodes, past.items})
         if (buffer) binding.buffers.push_back(buffer);

@@ -9,9 +9,11 @@
 namespace parhelion {
 
 uint64_t hash_render(const Scene& scene, const ViewDesc& view, const RenderSettings& settings) {
+    RenderSettings shown = settings;
+    shown.node_layout = NodeLayout::Auto;  // as --trace: does not belong to the picture
     Hasher hasher;
     hasher.add(hash_scene(scene))
-        .add(hash_settings(settings))
+        .add(hash_settings(shown))
         .add(view.width)
         .add(view.height)
         .add(view.seed)

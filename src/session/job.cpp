@@ -176,7 +176,8 @@ void Job::set_up() {
     scene_gpu_ = std::make_unique<SceneGpu>(device_, SceneGpuOptions{.culling = settings_.culling == Culling::Gltf,
                                                                      .infinite_share = settings_.infinite_share,
                                                                      .hardware = hardware,
-                                                                     .own_bvh = !hardware});
+                                                                     .own_bvh = !hardware,
+                                                                     .node_layout = settings_.node_layout});
     scene_gpu_->sync(loaded_.scene);
     if (!bring_in_scene()) return;
     const ViewDesc desc = describe_view();

@@ -16,6 +16,7 @@ struct RenderSettings {
     LightSampling light_sampling = LightSampling::Mis;
     ShadeIn shade_in = ShadeIn::Raygen;
     Culling culling = Culling::Gltf;
+    NodeLayout node_layout = NodeLayout::Auto;
     float infinite_share = 0.5f;
     float sun_elevation = 40.0f, sun_azimuth = 45.0f;  // degrees
     TextureLod texture_lod = TextureLod::Full;
@@ -36,6 +37,8 @@ void visit(V&& v, RenderSettings& s) {
     v.field("scene.culling", s.culling, choices({"none", "gltf"}), "gltf: single-sided surfaces are invisible from behind");
     v.field("light.infinite_share", s.infinite_share, range(0.01, 0.99),
             "share of light samples for sky and directional lights where other lights exist too");
+    v.field("trace.bvh", s.node_layout, choices({"auto", "binary", "four", "compact"}),
+            "nodes of our own acceleration structure; auto: the fastest for devices of this class");
     v.field("texture.lod", s.texture_lod, choices({"full", "cone"}),
             "how finely textures are read: full resolution, or as finely as a pixel sees them (ray cones)");
     v.field("bsdf.energy_compensation", s.energy_compensation, choices({"off", "on"}),

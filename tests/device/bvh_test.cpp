@@ -9,7 +9,18 @@ namespace {
 
 using namespace parhelion::testing;
 
-class BvhDevice : public GpuTest {};
+class BvhDevice : public GpuTest, public ::testing::WithParamInterface<Layout> {
+protected:
+    void SetUp() override {
+        GpuTest::SetUp();
+        TestScene::layout = GetParam();
+    }
+    void TearDown() override {
+        TestScene::layout = Layout::Four;
+        GpuTest::TearDown();
+    }
+};
+INSTANTIATE_TEST_SUITE_P(Nodes, BvhDevice, ::testing::ValuesIn(kLayouts), layout_of);
 
 constexpr uint32_t kWidth = 256, kHeight = 64;
 
@@ -20,11 +31,11 @@ struct Push {
 };
 
 std::vector<shared::TraversalHit> trace(const gpu::DevicePtr& device, const TestScene& scene, const std::vector<shared::TraversalRay>& rays, bool any) {
-    const gpu::Buffer top_nodes = mapped_buffer(device, scene.top.nodes), top_items = mapped_buffer(device, scene.top.items),
-                      nodes = mapped_buffer(device, scene.bottoms.nodes), triangles = mapped_buffer(device, scene.bottoms.triangles), ray_buffer = mapped_buffer(device, rays),
+    const gpu::Buffer top_nodes = mapped_buffer(device, scene.top.nodes.words), top_items = mapped_buffer(device, scene.top.items),
+                      nodes = mapped_buffer(device, scene.bottoms.nodes.words), triangles = mapped_buffer(device, scene.bottoms.triangles), ray_buffer = mapped_buffer(device, rays),
                       hits(device, "test/hits", rays.size() * sizeof(shared::TraversalHit), gpu::MemoryKind::Readback);
     gpu::CommandList commands(device);
-    commands.bind(gpu::Program::get(device, test_shader_pack(), "device/bvh_trace", "", false), nullptr, {},
+    commands.bind(gpu::Program::get(device, test_shader_pack(), "device/bvh_trace", "", false, static_cast<uint32_t>(scene.top.nodes.layout)), nullptr, {},
                   bytes_of(Push{{top_nodes.address(), top_items.address(), nodes.address(), triangles.address()}, ray_buffer.address(), hits.address(), kWidth, any}));
     commands.dispatch(kWidth / 8, kHeight / 4, 1);
     EXPECT_TRUE(gpu::wait(device, gpu::submit(device, std::move(commands))));
@@ -32,7 +43,7 @@ std::vector<shared::TraversalHit> trace(const gpu::DevicePtr& device, const Test
     return {out.begin(), out.end()};
 }
 
-TEST_F(BvhDevice, the_device_finds_what_the_host_finds) {
+TEST_P(BvhDevice, the_device_finds_what_the_host_finds) {
     Random random(1);
     std::vector<TestInstance> instances;
     for (uint32_t i = 0; i < 40; ++i) {
@@ -67,7 +78,7 @@ TEST_F(BvhDevice, the_device_finds_what_the_host_finds) {
     EXPECT_LE(other_triangle, 3);
 }
 
-TEST_F(BvhDevice, no_ray_slips_out_of_a_closed_sphere) {
+TEST_P(BvhDevice, no_ray_slips_out_of_a_closed_sphere) {
     Random random(2);
     const TestGeometry sphere = make_icosphere(4, 1.0f);
     glm::mat4 m(1.0f);

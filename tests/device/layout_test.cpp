@@ -68,7 +68,7 @@ TEST_F(Layout, structs_have_the_same_size_on_both_sides) {
         {"Affine", sizeof(shared::Affine)}, {"Instance", sizeof(shared::Instance)}, {"Geometry", sizeof(shared::Geometry)}, {"VertexAttributes", sizeof(shared::VertexAttributes)},
         {"TextureRef", sizeof(shared::TextureRef)}, {"Material", sizeof(shared::Material)}, {"Emitter", sizeof(shared::Emitter)}, {"AliasEntry", sizeof(shared::AliasEntry)},
         {"Environment", sizeof(shared::Environment)}, {"SceneHeader", sizeof(shared::SceneHeader)}, {"Hit", sizeof(shared::Hit)}, {"Camera", sizeof(shared::Camera)}, {"CameraMotion", sizeof(shared::CameraMotion)},
-        {"ViewData", sizeof(shared::ViewData)}, {"Slice", sizeof(shared::Slice)}, {"DumpedRay", sizeof(shared::DumpedRay)}, {"BvhNode", sizeof(shared::BvhNode)}, {"BvhTriangle", sizeof(shared::BvhTriangle)},
+        {"ViewData", sizeof(shared::ViewData)}, {"Slice", sizeof(shared::Slice)}, {"DumpedRay", sizeof(shared::DumpedRay)}, {"BvhNode", sizeof(shared::BvhNode)}, {"BvhNodeBinary", sizeof(shared::BvhNodeBinary)}, {"BvhNodeCompact", sizeof(shared::BvhNodeCompact)}, {"BvhTriangle", sizeof(shared::BvhTriangle)},
         {"BvhTopItem", sizeof(shared::BvhTopItem)}, {"BvhAddresses", sizeof(shared::BvhAddresses)}, {"TraversalRay", sizeof(shared::TraversalRay)}, {"TraversalHit", sizeof(shared::TraversalHit)}};
     size_t seen = 0;
     for (const gpu::ShaderStruct& s : test_shader_pack().find("device/layout", "", gpu::Stage::Compute)->structs)

@@ -36,7 +36,10 @@ TestGeometry make_box(glm::vec3 low, glm::vec3 high) {
     return box;
 }
 
+Layout TestScene::layout = Layout::Four;
+
 TestScene::TestScene(std::vector<TestMesh> all_meshes, std::vector<TestInstance> all_instances) : meshes(std::move(all_meshes)), instances(std::move(all_instances)) {
+    bottoms.nodes.layout = layout;
     for (const TestMesh& mesh : meshes) {
         std::vector<BottomGeometry> geometries;
         for (const TestGeometry& geometry : mesh) geometries.push_back({geometry.positions, geometry.triangles});
@@ -44,7 +47,7 @@ TestScene::TestScene(std::vector<TestMesh> all_meshes, std::vector<TestInstance>
     }
     for (uint32_t i = 0; i < instances.size(); ++i)
         items.push_back(make_top_item(bottoms, instances[i].mesh, instances[i].world_from_object, i, instances[i].mask));
-    top = build_top(items);
+    top = build_top(items, layout);
 }
 
 bool trace_brute_force(const TestScene& scene, const shared::TraversalRay& ray, shared::TraversalHit& best, const AcceptHit& accept) {

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <gtest/gtest.h>
+
 #include "bvh/trace_host.h"
 #include "lib/ray_triangle.glsl"
 
@@ -71,7 +73,17 @@ struct TestScene {
     std::vector<TopItem> items;
     Bottoms bottoms;
     Top top;
+
+    static Layout layout;  // of the nodes of scenes that are made
 };
+
+// A fixture whose scenes have nodes of each layout in turn.
+class EachLayout : public ::testing::TestWithParam<Layout> {
+protected:
+    void SetUp() override { TestScene::layout = GetParam(); }
+    void TearDown() override { TestScene::layout = Layout::Four; }
+};
+inline std::string layout_of(const ::testing::TestParamInfo<Layout>& info) { return std::string(layout_name(info.param)); }
 
 // Tries every triangle of every instance with the triangle test of the traversal: must agree with it to the last bit.
 bool trace_brute_force(const TestScene& scene, const shared::TraversalRay& ray, shared::TraversalHit& best, const AcceptHit& accept = {});

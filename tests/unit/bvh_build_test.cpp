@@ -21,31 +21,59 @@ using shared::kBvhEmpty;
 using shared::kBvhItemMask;
 using shared::kBvhLeaf;
 
+class BvhBuild : public ::testing::TestWithParam<Layout> {};
+INSTANTIATE_TEST_SUITE_P(Nodes, BvhBuild, ::testing::ValuesIn(kLayouts), layout_of);
+
 Box child_box(const BvhNode& node, int c) {
     return {{node.min_x[c], node.min_y[c], node.min_z[c]}, {node.max_x[c], node.max_y[c], node.max_z[c]}};
 }
 bool contains(const Box& outer, const Box& inner) {
     return glm::all(glm::lessThanEqual(outer.min, inner.min)) && glm::all(glm::greaterThanEqual(outer.max, inner.max));
 }
+Box common(const Box& a, const Box& b) { return {glm::max(a.min, b.min), glm::min(a.max, b.max)}; }
 
-// Visits a tree below `root`: visit(node index, depth of the node, child slot). Follows every reference once.
+// Visits the children below `root`: visit(child, depth of its node, what the boxes on the way to it have in common). Quantised boxes
+// need not lie within those above them; what is in a leaf must lie within all.
 template <class Visit>
-void walk(const std::vector<BvhNode>& nodes, uint32_t root, Visit&& visit) {
-    std::vector<std::pair<uint32_t, uint32_t>> stack{{root, 1u}};
+void walk(const Nodes& nodes, uint32_t root, Visit&& visit) {
+    struct Task {
+        uint32_t index, depth;
+        Box box;
+    };
+    std::vector<Task> stack{{root, 1u, {glm::vec3(-3e38f), glm::vec3(3e38f)}}};
     while (!stack.empty()) {
-        const auto [index, depth] = stack.back();
+        const Task task = stack.back();
         stack.pop_back();
+        const BvhNode node = nodes.read(task.index);
         for (int c = 0; c < 4; ++c) {
-            if (nodes.at(index).child[c] == kBvhEmpty) continue;
-            visit(index, depth, c);
-            if ((nodes[index].child[c] & kBvhLeaf) == 0) stack.push_back({nodes[index].child[c], depth + 1});
+            if (node.child[c] == kBvhEmpty) continue;
+            const Box box = common(task.box, child_box(node, c));
+            visit(node.child[c], task.depth, box);
+            if ((node.child[c] & kBvhLeaf) == 0) stack.push_back({node.child[c], task.depth + 1, box});
         }
     }
 }
 
-uint32_t depth_of(const std::vector<BvhNode>& nodes, uint32_t root) {
+// The same of a tree that has not got a layout yet: visit(box, child, depth).
+template <class Visit>
+void walk(const WideTree& tree, Visit&& visit) {
+    std::vector<std::pair<uint32_t, uint32_t>> stack{{0u, 1u}};
+    while (!stack.empty()) {
+        const auto [index, depth] = stack.back();
+        stack.pop_back();
+        for (uint32_t c = 0; c < 4; ++c) {
+            const uint32_t child = tree.nodes.at(index).child[c];
+            if (child == kBvhEmpty) continue;
+            ASSERT_LT(c, tree.width);
+            visit(tree.nodes[index].box[c], child, depth);
+            if ((child & kBvhLeaf) == 0) stack.push_back({child, depth + 1});
+        }
+    }
+}
+
+uint32_t depth_of(const WideTree& tree) {
     uint32_t deepest = 0;
-    walk(nodes, root, [&](uint32_t, uint32_t depth, int) { deepest = std::max(deepest, depth); });
+    walk(tree, [&](const Box&, uint32_t, uint32_t depth) { deepest = std::max(deepest, depth); });
     return deepest;
 }
 
@@ -53,14 +81,10 @@ uint32_t depth_of(const std::vector<BvhNode>& nodes, uint32_t root) {
 void check_bottom(const Bottoms& bottoms, uint32_t mesh, const TestMesh& source) {
     std::multiset<std::tuple<uint32_t, uint32_t>> seen;
     std::set<uint32_t> nodes_seen{bottoms.roots.at(mesh)};
-    walk(bottoms.nodes, bottoms.roots.at(mesh), [&](uint32_t index, uint32_t depth, int c) {
-        ASSERT_LE(depth, shared::kBvhBottomDepth);
-        const Box box = child_box(bottoms.nodes[index], c);
-        const uint32_t child = bottoms.nodes[index].child[c];
+    walk(bottoms.nodes, bottoms.roots.at(mesh), [&](uint32_t child, uint32_t depth, const Box& box) {
+        ASSERT_LE(depth, max_bottom_depth(bottoms.nodes.layout));
         if ((child & kBvhLeaf) == 0) {
             ASSERT_TRUE(nodes_seen.insert(child).second) << "node " << child << " has two parents";
-            for (int g = 0; g < 4; ++g)
-                ASSERT_TRUE(bottoms.nodes[child].child[g] == kBvhEmpty || contains(box, child_box(bottoms.nodes[child], g)));
             return;
         }
         uint32_t i = child & kBvhItemMask, count = 0;
@@ -100,9 +124,9 @@ bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
     return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
-TEST(BvhBuild, every_triangle_is_in_one_leaf_and_boxes_contain_what_is_below) {
+TEST_P(BvhBuild, every_triangle_is_in_one_leaf_and_boxes_contain_what_is_below) {
     Random random(1);
-    Bottoms bottoms;
+    Bottoms bottoms{.nodes = {.layout = GetParam(), .words = {}}, .triangles = {}, .roots = {}};
     std::vector<TestMesh> meshes;
     for (const uint32_t count : {0u, 1u, 2u, 3u, 4u, 5u, 6u, 17u, 100u, 1000u, 20000u, 70000u})
         meshes.push_back({make_soup(random, count / 3, 10.0f, 1.0f), {}, make_soup(random, count - count / 3, 3.0f, 0.2f)});
@@ -113,10 +137,11 @@ TEST(BvhBuild, every_triangle_is_in_one_leaf_and_boxes_contain_what_is_below) {
         SCOPED_TRACE(m);
         check_bottom(bottoms, m, meshes[m]);
     }
-    EXPECT_LT(bottoms.nodes.size() * sizeof(BvhNode) + bottoms.triangles.size() * sizeof(shared::BvhTriangle), bottoms.triangles.size() * 75);
+    const double triangle_bytes = double(bottoms.nodes.bytes()) / double(bottoms.triangles.size()) + double(sizeof(shared::BvhTriangle));
+    EXPECT_LE(triangle_bytes, GetParam() == Layout::Compact ? 64.0 : 96.0);
 }
 
-TEST(BvhBuild, degenerate_meshes_still_make_proper_trees) {
+TEST_P(BvhBuild, degenerate_meshes_still_make_proper_trees) {
     const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
     Random random(2);
     std::vector<TestMesh> meshes;
@@ -136,7 +161,7 @@ TEST(BvhBuild, degenerate_meshes_still_make_proper_trees) {
     wild.add({0, 0, 0}, {1, 0, -3e38f}, {0, 1, 0});
     for (glm::vec3& p : far.positions) p += glm::vec3(1e6f, -1e6f, 1e6f);
     for (TestGeometry* g : {&same, &point, &line, &shared_center, &wild, &huge, &far}) meshes.push_back({*g});
-    Bottoms bottoms;
+    Bottoms bottoms{.nodes = {.layout = GetParam(), .words = {}}, .triangles = {}, .roots = {}};
     for (const TestMesh& mesh : meshes) add(bottoms, mesh);
     for (uint32_t m = 0; m < meshes.size(); ++m) {
         SCOPED_TRACE(m);
@@ -147,7 +172,7 @@ TEST(BvhBuild, degenerate_meshes_still_make_proper_trees) {
 }
 
 // Boxes that halve in size towards the origin make the surface area heuristic cut off one a level.
-TEST(BvhBuild, no_input_makes_a_tree_deeper_than_the_bound) {
+TEST(BvhTree, no_input_makes_a_tree_deeper_than_the_bound) {
     std::vector<Box> boxes;
     for (int i = 0; i < 120; ++i)
         for (int copy = 0; copy < 7; ++copy) {
@@ -158,10 +183,12 @@ TEST(BvhBuild, no_input_makes_a_tree_deeper_than_the_bound) {
         }
     uint32_t deepest = 0;
     for (uint32_t depth = 4; depth <= 18; ++depth) {
-        const WideTree tree = build_wide_tree(boxes, 4, depth);
-        EXPECT_LE(depth_of(tree.nodes, 0), depth);
+        const WideTree tree = build_wide_tree(boxes, 4, 4, depth), binary = build_wide_tree(boxes, 2, 4, 2 * depth);
+        EXPECT_LE(depth_of(tree), depth);
+        EXPECT_LE(depth_of(binary), 2 * depth);
         EXPECT_EQ(tree.order.size(), boxes.size());
-        deepest = std::max(deepest, depth_of(tree.nodes, 0));
+        EXPECT_EQ(binary.order.size(), boxes.size());
+        deepest = std::max(deepest, depth_of(tree));
     }
     EXPECT_GT(deepest, 12u) << "the input is too tame to test the bound";
     // Filled to the brim: nothing but halving fits.
@@ -169,13 +196,15 @@ TEST(BvhBuild, no_input_makes_a_tree_deeper_than_the_bound) {
         for (const uint32_t leaf : {1u, 4u}) {
             const size_t brim = size_t(leaf) << (2 * depth);
             if (brim > boxes.size()) boxes.resize(brim, boxes.back());
-            EXPECT_EQ(depth_of(build_wide_tree(std::span(boxes).first(brim), leaf, depth).nodes, 0), depth);
+            EXPECT_EQ(depth_of(build_wide_tree(std::span(boxes).first(brim), 4, leaf, depth)), depth);
+            EXPECT_EQ(depth_of(build_wide_tree(std::span(boxes).first(brim), 2, leaf, 2 * depth)), 2 * depth);
             boxes.resize(brim + 1, boxes.back());
-            EXPECT_ANY_THROW(build_wide_tree(boxes, leaf, depth));
+            EXPECT_ANY_THROW(build_wide_tree(boxes, 4, leaf, depth));
+            EXPECT_ANY_THROW(build_wide_tree(boxes, 2, leaf, 2 * depth));
         }
 }
 
-TEST(BvhBuild, the_surface_area_heuristic_beats_halving) {
+TEST(BvhTree, the_surface_area_heuristic_beats_halving) {
     Random random(3);
     const TestGeometry dense = make_soup(random, 8192, 0.1f, 0.01f), sparse = make_soup(random, 8192, 10.0f, 0.1f);
     std::vector<Box> boxes;
@@ -187,18 +216,17 @@ TEST(BvhBuild, the_surface_area_heuristic_beats_halving) {
         }
     // Expected box and triangle tests of a ray, but for a common factor. At depth 6 only halving fits.
     const auto cost = [&](uint32_t depth) {
-        const WideTree tree = build_wide_tree(boxes, 4, depth);
+        const WideTree tree = build_wide_tree(boxes, 4, 4, depth);
         double sum = 0;
-        walk(tree.nodes, 0, [&](uint32_t index, uint32_t, int c) {
-            const uint32_t child = tree.nodes[index].child[c];
-            sum += double(child_box(tree.nodes[index], c).half_area()) * ((child & kBvhLeaf) != 0 ? tree.rest[child & kBvhItemMask] + 1.0 : 1.0);
+        walk(tree, [&](const Box& box, uint32_t child, uint32_t) {
+            sum += double(box.half_area()) * ((child & kBvhLeaf) != 0 ? tree.rest[child & kBvhItemMask] + 1.0 : 1.0);
         });
         return sum;
     };
     EXPECT_LT(cost(18), 0.75 * cost(6));
 }
 
-TEST(BvhBuild, the_number_of_threads_does_not_show) {
+TEST(BvhTree, the_number_of_threads_does_not_show) {
     Random random(4);
     // More than two chunks in the first ranges, so that they are split by all threads.
     const TestMesh mesh{make_soup(random, 90000, 10.0f, 0.3f)};
@@ -220,13 +248,13 @@ TEST(BvhBuild, the_number_of_threads_does_not_show) {
 #else
     add(one, mesh);
 #endif
-    EXPECT_TRUE(same_bytes(many.nodes, again.nodes) && same_bytes(many.triangles, again.triangles));
-    EXPECT_TRUE(same_bytes(many.nodes, one.nodes) && same_bytes(many.triangles, one.triangles));
+    EXPECT_TRUE(same_bytes(many.nodes.words, again.nodes.words) && same_bytes(many.triangles, again.triangles));
+    EXPECT_TRUE(same_bytes(many.nodes.words, one.nodes.words) && same_bytes(many.triangles, one.triangles));
 }
 
-TEST(BvhBuild, the_top_level_holds_every_instance_that_can_be_hit) {
+TEST_P(BvhBuild, the_top_level_holds_every_instance_that_can_be_hit) {
     Random random(5);
-    Bottoms bottoms;
+    Bottoms bottoms{.nodes = {.layout = GetParam(), .words = {}}, .triangles = {}, .roots = {}};
     const uint32_t empty = add(bottoms, {}), sphere = add(bottoms, {make_icosphere(1, 1.0f)});
     std::vector<TopItem> items;
     glm::mat4 flat(1.0f), broken(1.0f);
@@ -239,31 +267,25 @@ TEST(BvhBuild, the_top_level_holds_every_instance_that_can_be_hit) {
         items.push_back(make_top_item(bottoms, i % 30 == 0 ? empty : sphere, hittable ? place : i % 20 == 0 ? flat : i % 30 == 0 ? place : broken, i));
         EXPECT_EQ(items.back().box_ws.empty(), !hittable) << i;
     }
-    const Top top = build_top(items);
+    const Top top = build_top(items, GetParam());
     EXPECT_EQ(top.items.size(), 900u);
     std::set<uint32_t> seen;
-    walk(top.nodes, 0, [&](uint32_t index, uint32_t depth, int c) {
-        EXPECT_LE(depth, shared::kBvhTopDepth);
-        const uint32_t child = top.nodes[index].child[c];
-        const Box box = child_box(top.nodes[index], c);
-        if ((child & kBvhLeaf) != 0) {
-            const uint32_t instance = top.items.at(child & kBvhItemMask).instance;
-            EXPECT_TRUE(seen.insert(instance).second);
-            EXPECT_TRUE(contains(box, items[instance].box_ws));
-        } else {
-            for (int g = 0; g < 4; ++g)
-                EXPECT_TRUE(top.nodes[child].child[g] == kBvhEmpty || contains(box, child_box(top.nodes[child], g)));
-        }
+    walk(top.nodes, 0, [&](uint32_t child, uint32_t depth, const Box& box) {
+        EXPECT_LE(depth, max_top_depth(GetParam()));
+        if ((child & kBvhLeaf) == 0) return;
+        const uint32_t instance = top.items.at(child & kBvhItemMask).instance;
+        EXPECT_TRUE(seen.insert(instance).second);
+        EXPECT_TRUE(contains(box, items[instance].box_ws));
     });
     EXPECT_EQ(seen.size(), 900u);
-    const Top nothing = build_top({});
+    const Top nothing = build_top({}, GetParam());
     ASSERT_EQ(nothing.nodes.size(), 1u);
-    for (int c = 0; c < 4; ++c) EXPECT_EQ(nothing.nodes[0].child[c], kBvhEmpty);
+    for (int c = 0; c < 4; ++c) EXPECT_EQ(nothing.nodes.read(0).child[c], kBvhEmpty);
 }
 
-TEST(BvhBuild, an_instance_lies_within_its_world_box) {
+TEST_P(BvhBuild, an_instance_lies_within_its_world_box) {
     Random random(6);
-    Bottoms bottoms;
+    Bottoms bottoms{.nodes = {.layout = GetParam(), .words = {}}, .triangles = {}, .roots = {}};
     const TestGeometry soup = make_soup(random, 300, 2.0f, 0.5f);
     add(bottoms, {soup});
     for (int i = 0; i < 200; ++i) {

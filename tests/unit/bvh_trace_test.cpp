@@ -10,6 +10,9 @@
 namespace parhelion::bvh::testing {
 namespace {
 
+class BvhTrace : public EachLayout {};
+INSTANTIATE_TEST_SUITE_P(Nodes, BvhTrace, ::testing::ValuesIn(kLayouts), layout_of);
+
 glm::mat4 translation(glm::vec3 t) {
     glm::mat4 m(1.0f);
     m[3] = glm::vec4(t, 1.0f);
@@ -34,7 +37,7 @@ shared::TraversalRay random_ray(Random& random, int i, float half_cube) {
     return make_ray(origin, direction, t_min, i % 8 < 2 ? t_min + random.range(0.0f, 1.0f) : 3.4e38f);
 }
 
-TEST(BvhTrace, closest_and_any_hit_equal_brute_force_on_random_soups) {
+TEST_P(BvhTrace, closest_and_any_hit_equal_brute_force_on_random_soups) {
     Random random(1);
     for (const uint32_t count : {1u, 4u, 5u, 40u, 400u, 3000u})
         for (const float size : {0.05f, 0.5f, 5.0f}) {
@@ -45,7 +48,7 @@ TEST(BvhTrace, closest_and_any_hit_equal_brute_force_on_random_soups) {
 }
 
 // Mirrored, sheared, nested instances of two meshes, with masks, and with a filter that refuses every third candidate.
-TEST(BvhTrace, instances_equal_brute_force_whatever_their_transforms) {
+TEST_P(BvhTrace, instances_equal_brute_force_whatever_their_transforms) {
     Random random(2);
     std::vector<TestMesh> meshes{{make_soup(random, 60, 1.0f, 1.0f), make_soup(random, 30, 1.0f, 0.5f)}, {make_icosphere(1, 1.0f)}, {}};
     std::vector<TestInstance> instances;
@@ -70,7 +73,7 @@ TEST(BvhTrace, instances_equal_brute_force_whatever_their_transforms) {
 }
 
 // An independent judge of t, barycentrics and side: Moller and Trumbore's test in double precision.
-TEST(BvhTrace, hits_are_where_another_triangle_test_puts_them) {
+TEST_P(BvhTrace, hits_are_where_another_triangle_test_puts_them) {
     Random random(3);
     glm::mat4 mirrored = rotation(random) * scaling({1.3f, -0.7f, 1.0f});
     mirrored[3] = {0.5f, -0.25f, 0.1f, 1.0f};
@@ -103,7 +106,7 @@ TEST(BvhTrace, hits_are_where_another_triangle_test_puts_them) {
     }
 }
 
-TEST(BvhTrace, back_faces_that_are_refused_let_the_ray_through) {
+TEST_P(BvhTrace, back_faces_that_are_refused_let_the_ray_through) {
     const TestScene scene({{make_icosphere(3, 1.0f)}}, {{}, {.world_from_object = scaling({-0.5f, 0.5f, 0.5f})}});
     Random random(4);
     const AcceptHit front_only = [](uint32_t, uint32_t, uint32_t, glm::vec2, bool front) { return front; };
@@ -119,7 +122,7 @@ TEST(BvhTrace, back_faces_that_are_refused_let_the_ray_through) {
     }
 }
 
-TEST(BvhTrace, equal_distances_go_to_the_smallest_ids) {
+TEST_P(BvhTrace, equal_distances_go_to_the_smallest_ids) {
     Random random(5);
     const TestGeometry soup = make_soup(random, 40, 1.0f, 1.0f);
     TestGeometry twice = soup;
@@ -141,7 +144,7 @@ TEST(BvhTrace, equal_distances_go_to_the_smallest_ids) {
     EXPECT_GT(hits, 500);
 }
 
-TEST(BvhTrace, rays_in_the_planes_of_boxes_equal_brute_force) {
+TEST_P(BvhTrace, rays_in_the_planes_of_boxes_equal_brute_force) {
     Random random(6);
     TestMesh mesh;
     for (int i = 0; i < 27; ++i) {
@@ -174,7 +177,7 @@ int count_leaks(const TestScene& scene, const TestGeometry& sphere, const glm::m
     return leaks;
 }
 
-TEST(BvhTrace, no_ray_slips_out_of_a_closed_sphere) {
+TEST_P(BvhTrace, no_ray_slips_out_of_a_closed_sphere) {
     Random random(7);
     const TestGeometry sphere = make_icosphere(4, 1.0f);
     const TestScene plain(sphere);
@@ -184,7 +187,7 @@ TEST(BvhTrace, no_ray_slips_out_of_a_closed_sphere) {
     EXPECT_EQ(count_leaks(TestScene(coarse), coarse, glm::mat4(1.0f), glm::vec3(0.0f), 0.1f, 20000, random), 0);
 }
 
-TEST(BvhTrace, no_ray_slips_out_at_any_scale_and_place) {
+TEST_P(BvhTrace, no_ray_slips_out_at_any_scale_and_place) {
     Random random(8);
     const TestGeometry sphere = make_icosphere(3, 1.0f);
     for (const float scale : {1e-4f, 1e-2f, 1.0f, 1e3f, 1e6f})
@@ -203,7 +206,7 @@ TEST(BvhTrace, no_ray_slips_out_at_any_scale_and_place) {
 
 // Far from the origin a plane's distance, plane / d - origin / d, is a difference of large numbers; the corners' differences
 // to the origin, which the triangle test takes, are exact.
-TEST(BvhTrace, boxes_far_from_the_origin_lose_no_ray) {
+TEST_P(BvhTrace, boxes_far_from_the_origin_lose_no_ray) {
     Random random(10);
     for (const glm::vec3 place : {glm::vec3(1e6f, -1e6f, 1e6f), glm::vec3(0.0f, 1e6f, 0.0f), glm::vec3(3.0f, 1e5f, -1e6f)}) {
         TestGeometry grid;
@@ -227,7 +230,7 @@ TEST(BvhTrace, boxes_far_from_the_origin_lose_no_ray) {
 }
 
 // Subtracting the instance's place first keeps near hits exact where coordinates are coarse.
-TEST(BvhTrace, a_translation_of_a_million_metres_keeps_distances) {
+TEST_P(BvhTrace, a_translation_of_a_million_metres_keeps_distances) {
     Random random(9);
     const TestGeometry sphere = make_icosphere(4, 1.0f);
     const TestScene near({{sphere}}, {{}}), far({{sphere}}, {{.world_from_object = translation({1e6f, -1e6f, 1e6f})}});
@@ -240,7 +243,7 @@ TEST(BvhTrace, a_translation_of_a_million_metres_keeps_distances) {
     }
 }
 
-TEST(BvhTrace, hits_lie_strictly_between_t_min_and_t_max) {
+TEST_P(BvhTrace, hits_lie_strictly_between_t_min_and_t_max) {
     TestGeometry wall;
     wall.add({-1, -1, 2}, {1, -1, 2}, {0, 1, 2});
     const TestScene scene(wall);
@@ -258,7 +261,7 @@ TEST(BvhTrace, hits_lie_strictly_between_t_min_and_t_max) {
     EXPECT_TRUE(sees(0.0f, std::numeric_limits<float>::infinity()));
 }
 
-TEST(BvhTrace, nothing_to_hit_is_no_hit) {
+TEST_P(BvhTrace, nothing_to_hit_is_no_hit) {
     const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
     TestGeometry points;
     for (int i = 0; i < 20; ++i) points.add(glm::vec3(float(i)), glm::vec3(float(i)), glm::vec3(float(i)));

@@ -24,6 +24,8 @@ layout(set = 1, binding = 0, scalar) buffer AllStructs {
     Slice slice[2];
     DumpedRay dumped_ray[2];
     BvhNode bvh_node[2];
+    BvhNodeBinary bvh_node_binary[2];
+    BvhNodeCompact bvh_node_compact[2];
     BvhTriangle bvh_triangle[2];
     BvhTopItem bvh_top_item[2];
     TraversalRay traversal_ray[2];
@@ -55,6 +57,8 @@ void main() {
         all_structs.slice[i] = value.slice[i];
         all_structs.dumped_ray[i] = value.dumped_ray[i];
         all_structs.bvh_node[i] = value.bvh_node[i];
+        all_structs.bvh_node_binary[i] = value.bvh_node_binary[i];
+        all_structs.bvh_node_compact[i] = value.bvh_node_compact[i];
         all_structs.bvh_triangle[i] = value.bvh_triangle[i];
         all_structs.bvh_top_item[i] = value.bvh_top_item[i];
         all_structs.traversal_ray[i] = value.traversal_ray[i];

@@ -29,6 +29,8 @@ struct LayoutStructs {
     Slice slice[2];
     DumpedRay dumped_ray[2];
     BvhNode bvh_node[2];
+    BvhNodeBinary bvh_node_binary[2];
+    BvhNodeCompact bvh_node_compact[2];
     BvhTriangle bvh_triangle[2];
     BvhTopItem bvh_top_item[2];
     TraversalRay traversal_ray[2];
@@ -42,6 +44,7 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(uint64_t) v) { v = uint64
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(vec2) v) { for (int i = 0; i < 2; ++i) v[i] = float(n++); }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(vec3) v) { for (int i = 0; i < 3; ++i) v[i] = float(n++); }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(vec4) v) { for (int i = 0; i < 4; ++i) v[i] = float(n++); }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(uvec2) v) { for (int i = 0; i < 2; ++i) v[i] = n++; }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(uvec4) v) { for (int i = 0; i < 4; ++i) v[i] = n++; }
 #define F(member) fill(n, v.member);
 
@@ -85,6 +88,8 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(ViewData) v) {
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Slice) v) { F(first_row) F(row_count) F(first_sample) F(sample_count) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(DumpedRay) v) { F(origin_ws) F(reach) F(direction_ws) F(alpha_key) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhNode) v) { F(min_x) F(max_x) F(min_y) F(max_y) F(min_z) F(max_z) F(child) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhNodeBinary) v) { F(x) F(y) F(z) F(child) F(pad) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhNodeCompact) v) { F(origin) F(min_x) F(scale) F(max_x) F(min_y) F(max_y) F(min_z) F(max_z) F(child) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhTriangle) v) { F(p0) F(geometry) F(p1) F(primitive) F(p2) F(rest) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhTopItem) v) { F(row0) F(instance) F(row1) F(root) F(row2) F(mask) F(origin_ws) F(pad) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhAddresses) v) { F(top_nodes) F(top_items) F(bottom_nodes) F(bottom_triangles) }
@@ -94,7 +99,7 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(TraversalHit) v) { F(inst
 // Entry i of every array.
 SHARED_FN void fill_entry(SHARED_INOUT(uint) n, SHARED_INOUT(LayoutStructs) v, uint i) {
     F(scene_header[i]) F(geometry[i]) F(bvh_addresses[i]) F(affine[i]) F(instance[i]) F(vertex_attributes[i]) F(texture_entry[i]) F(texture_ref[i]) F(material[i]) F(emitter[i])
-    F(alias_entry[i]) F(environment[i]) F(hit[i]) F(camera[i]) F(camera_motion[i]) F(view_data[i]) F(slice[i]) F(dumped_ray[i]) F(bvh_node[i]) F(bvh_triangle[i]) F(bvh_top_item[i])
+    F(alias_entry[i]) F(environment[i]) F(hit[i]) F(camera[i]) F(camera_motion[i]) F(view_data[i]) F(slice[i]) F(dumped_ray[i]) F(bvh_node[i]) F(bvh_node_binary[i]) F(bvh_node_compact[i]) F(bvh_triangle[i]) F(bvh_top_item[i])
     F(traversal_ray[i]) F(traversal_hit[i])
 }
 #undef F
