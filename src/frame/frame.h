@@ -66,6 +66,8 @@ public:
     Pass& read_write(std::string_view name, const gpu::Image& image);
     Pass& sample(std::string_view name, const gpu::Image& image, const gpu::Sampler& sampler);
     Pass& scene(const SceneBinding& scene);
+    // Buffers that the shader reads through addresses in other buffers.
+    Pass& reach(std::span<const gpu::Buffer> buffers);
     // The push constant block, a struct of shaders/shared. Members that are buffer references are filled in by the bindings.
     template <class T>
     Pass& push(const T& block) {
@@ -97,6 +99,7 @@ private:
     bool ray_tracing_;
     gpu::Program program_;
     std::vector<Bound> bound_;
+    std::vector<gpu::Buffer> reached_;
     std::vector<std::byte> push_;
     const SceneBinding* scene_ = nullptr;
 };

@@ -219,7 +219,7 @@ private:
                 continue;
             }
             Group& group = groups[{instance.mesh.index, weights}];
-            group.rest_handle = instance.mesh;
+            group.rest_handle = mesh.rest ? mesh.rest : instance.mesh;
             group.rest = &mesh;
             group.weights = std::move(weights);
             (skinned ? group.skinned : group.rigid).push_back(handle);

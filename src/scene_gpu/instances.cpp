@@ -29,6 +29,12 @@ gpu::TlasInstance to_tlas(const shared::Instance& row, const MeshOnDevice& mesh,
     return out;
 }
 
+// Skin or weights can move its vertices, whether they do so now or not: where they were a frame ago is not said by transforms alone.
+bool deforms(const Scene& scene, const Instance& instance) {
+    const auto has_targets = [](const Primitive& p) { return !p.targets.empty(); };
+    return instance.posed || instance.skin || std::ranges::any_of(scene.get(instance.mesh).primitives, has_targets);
+}
+
 }  // namespace
 
 // An instance keeps its row while it is drawn. A row that it leaves keeps its contents for one frame, because the previous frame's
@@ -79,7 +85,7 @@ void SceneGpu::State::place_instances() {
                             .geometry_base = on_device.geometry_base,
                             .geometry_count = geometry_count,
                             .emitter_base = static_cast<uint32_t>(geometry_emitter_rows.size()),
-                            .flags = mirrors(world) ? shared::kInstanceFlipsFacing : 0u,
+                            .flags = (mirrors(world) ? shared::kInstanceFlipsFacing : 0u) | (deforms(*scene, instance) ? shared::kInstanceDeforms : 0u),
                             .mask = 0xFFu};
         geometry_emitter_rows.resize(geometry_emitter_rows.size() + geometry_count, shared::kNone);
         stats.instanced_triangles += on_device.triangle_count;
@@ -105,6 +111,8 @@ void SceneGpu::State::place_instances() {
         stats.own_bottom_bytes = 0;
         for (const Handle<Mesh> handle : wanted_meshes)
             stats.own_bottom_bytes += meshes.at(handle).own_node_count * bvh::node_bytes(layout) + meshes.at(handle).own_triangle_count * sizeof(shared::BvhTriangle);
+        for (const Handle<Mesh> handle : resident_meshes)
+            stats.own_bottom_bytes += meshes.at(handle).plan.node_count * sizeof(shared::RefitNode) + meshes.at(handle).plan.triangle_count * sizeof(shared::RefitTriangle);
         bvh::Top top = bvh::build_top(own, layout);
         stats.own_top_bytes = top.nodes.bytes() + top.items.size() * sizeof(shared::BvhTopItem);
         next.nodes = make_table("top_nodes", std::move(top.nodes.words));
