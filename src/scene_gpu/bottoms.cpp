@@ -57,7 +57,7 @@ void SceneGpu::State::take_own_rows(Frame& frame, MeshOnDevice& mesh, uint64_t n
     mesh.own_triangle_count = triangles;
     mesh.own_nodes = bottom_nodes.take(frame, nodes);
     mesh.own_triangles = bottom_triangles.take(frame, triangles);
-    if (mesh.own_nodes + nodes > shared::kBvhItemMask || mesh.own_triangles + triangles > shared::kBvhItemMask)
+    if (mesh.own_nodes + nodes >= shared::kBvhItemMask || mesh.own_triangles + triangles >= shared::kBvhItemMask)
         throw Error(ErrorCode::Failed, "the scene has more than 2^31 triangles", "own BVH", "trace by pipeline or query");
 }
 

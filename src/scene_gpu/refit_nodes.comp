@@ -43,9 +43,12 @@ RefitBox box_of_leaf(RefitJob job, uint first) {
     RefitBox box = empty_box();
     uint rest = 1u;
     for (uint i = job.triangle + first; rest != 0u; ++i) {
-        const BvhTriangle t = Triangles(row_address(uint64_t(push.triangles), i, 48u)).v[0];
-        box = joined(box, RefitBox(min(t.p0, min(t.p1, t.p2)), max(t.p0, max(t.p1, t.p2))));
-        rest = t.rest;
+        const uint64_t address = row_address(uint64_t(push.triangles), i, 48u);  // of a BvhTriangle
+        const bool in_pairs = reads_pairs(push.layout_of_nodes);
+        const uvec4 a = fetch_row(address, 0u, in_pairs), b = fetch_row(address, 1u, in_pairs), c = fetch_row(address, 2u, in_pairs);
+        const vec3 p0 = to_floats(a.x, a.y, a.z), p1 = to_floats(a.w, b.x, b.y), p2 = to_floats(b.z, b.w, c.x);
+        box = joined(box, RefitBox(min(p0, min(p1, p2)), max(p0, max(p1, p2))));
+        rest = c.y;
     }
     return box;
 }

@@ -34,5 +34,5 @@ void main() {
     const uvec3 index = Indices(part.indices).v[plan.primitive];
     Positions positions = Positions(part.positions);
     Triangles(row_address(uint64_t(push.triangles), job.triangle + i, 48u)).v[0] =
-        BvhTriangle(positions.v[index.x], plan.geometry, positions.v[index.y], plan.primitive, positions.v[index.z], plan.rest);
+        BvhTriangle(positions.v[index.x], positions.v[index.y], positions.v[index.z], plan.rest, plan.geometry, plan.primitive);
 }

@@ -95,6 +95,7 @@ struct EmissivePart {
 
 // The layout that is fastest on devices of this class, by measurement, or the one asked for.
 bvh::Layout choose_node_layout(const gpu::DeviceCaps& caps, NodeLayout choice);
+bool walks_in_rounds(const gpu::DeviceCaps& caps, BvhLoop choice);
 
 // What our builder reads of a mesh.
 std::vector<bvh::BottomGeometry> bottom_geometries(const Mesh& mesh);
