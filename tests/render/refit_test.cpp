@@ -357,6 +357,41 @@ TEST_F(DeformedMeshes, are_refitted_not_built) {
     EXPECT_EQ(has(listing, "build/refit"), hardware) << listing;
 }
 
+// Recorded, not run: each barrier of the frame that refits and traces is needed.
+TEST_F(DeformedMeshes, draw_a_complaint_for_each_barrier_left_out) {
+    const gpu::DevicePtr quiet = gpu::Device::open({});
+    for (const gpu::TraceWay way : kWays) {
+        if (!device()->caps().supports(way)) continue;
+        SCOPED_TRACE(gpu::trace_way_name(way));
+        const bool hardware = way != gpu::TraceWay::Compute;
+        const auto complaints = [&](int skipped, uint32_t& barriers) {
+            Random random(12);
+            const Bodies bodies(random);
+            Stage stage(bodies.scene, {.hardware = hardware, .own_bvh = !hardware, .compact = false}, {.skip_barrier = skipped}, quiet);
+            const gpu::Buffer rays(quiet, "test/rays", sizeof(TestRay)), found(quiet, "test/found", sizeof(TestFound));
+            const auto record = [&] {
+                EXPECT_TRUE(stage.scene_gpu.update(stage.frame).complete);
+                struct Push {
+                    uint64_t rays = 0, found = 0;
+                    uint32_t count = 1;
+                };
+                stage.frame.trace("device/visible", way).scene(stage.scene_gpu.binding()).read("rays", rays).write("found", found).push(Push{}).over(1);
+                gpu::CommandList commands(quiet);
+                stage.frame.retire(stage.frame.record(commands));
+            };
+            record();
+            stage.step(bodies.pose(stage.scene, wave(random), false));
+            record();
+            barriers = stage.frame.barrier_count();
+            return stage.frame.complaints().size();
+        };
+        uint32_t barriers = 0, ignored = 0;
+        EXPECT_EQ(complaints(-1, barriers), 0u);
+        EXPECT_GE(barriers, 3u);
+        for (uint32_t skipped = 0; skipped < barriers; ++skipped) EXPECT_GT(complaints(static_cast<int>(skipped), ignored), 0u) << "barrier " << skipped << " of " << barriers;
+    }
+}
+
 // As a skin with mirroring joints makes them. Vulkan lets no index change in a refit.
 TEST_F(DeformedMeshes, that_wind_some_triangles_the_other_way_are_seen_too) {
     Random random(9);
