@@ -66,6 +66,8 @@ public:
     Pass& read_write(std::string_view name, const gpu::Image& image);
     Pass& sample(std::string_view name, const gpu::Image& image, const gpu::Sampler& sampler);
     Pass& scene(const SceneBinding& scene);
+    // Buffers that the shader reads through addresses in other buffers.
+    Pass& reach(std::span<const gpu::Buffer> buffers);
     // The push constant block, a struct of shaders/shared. Members that are buffer references are filled in by the bindings.
     template <class T>
     Pass& push(const T& block) {
@@ -97,6 +99,7 @@ private:
     bool ray_tracing_;
     gpu::Program program_;
     std::vector<Bound> bound_;
+    std::vector<gpu::Buffer> reached_;
     std::vector<std::byte> push_;
     const SceneBinding* scene_ = nullptr;
 };
@@ -134,7 +137,7 @@ public:
     void copy(const gpu::Buffer& from, uint64_t from_offset, const gpu::Buffer& to, uint64_t to_offset, uint64_t bytes);
     gpu::Buffer read_back(const gpu::Buffer& from);  // mapped copy, valid after completion
     gpu::Buffer read_back(const gpu::Image& from);
-    // Bottom levels that may be built side by side, out of these buffers.
+    // Bottom levels that may be built side by side, or all be refitted (gpu::BlasBuild::refit_from), out of these buffers.
     void build_blas(std::vector<gpu::BlasBuild> builds, const std::vector<gpu::Buffer>& inputs);
     // The sizes that they would have compacted: sizes.read() once the frame is done.
     void measure_blas(std::vector<gpu::AccelStruct> blases, const gpu::AccelSizes& sizes);

@@ -46,6 +46,11 @@ Pass& Pass::scene(const SceneBinding& scene) {
     return *this;
 }
 
+Pass& Pass::reach(std::span<const gpu::Buffer> buffers) {
+    reached_.insert(reached_.end(), buffers.begin(), buffers.end());
+    return *this;
+}
+
 const gpu::Program& Pass::program() {
     if (!program_) program_ = gpu::Program::get(frame_.device_, frame_.pack_, name_, variant_, ray_tracing_, scene_ ? scene_->bvh_variant : 0);
     return program_;
@@ -123,6 +128,11 @@ void Pass::finish(std::string extent, std::function<void(gpu::CommandList&)> lau
         if (const auto* image = std::get_if<gpu::Image>(&bound.resource)) record.images.push_back(*image);
         if (bound.reads) record.info.reads.push_back(name_of(bound.resource));
         if (bound.writes) record.info.writes.push_back(name_of(bound.resource));
+    }
+    for (const gpu::Buffer& buffer : reached_) {
+        record.info.reads.push_back(buffer.name());
+        accesses.push_back({buffer.id(), use(true, false), &buffer.name()});
+        frame_.keep(buffer.data());
     }
     std::optional<gpu::SceneSet> set;
     if (scene_) {

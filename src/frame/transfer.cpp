@@ -124,11 +124,17 @@ void Frame::build_blas(std::vector<gpu::BlasBuild> builds, const std::vector<gpu
     uint64_t scratch_bytes = 0;
     for (const gpu::BlasBuild& build : builds) scratch_bytes += build.blas.scratch_bytes();
     const gpu::Buffer scratch(device_, "frame/build_scratch", scratch_bytes);
-    Record record{.info = {.name = "build/bottom", .writes = {builds.front().blas.name()}, .extent = fmt::format("{}", builds.size())},
+    const bool refit = static_cast<bool>(builds.front().refit_from);
+    Record record{.info = {.name = refit ? "build/refit" : "build/bottom", .writes = {builds.front().blas.name()}, .extent = fmt::format("{}", builds.size())},
                   .accesses = {{scratch.id(), Use::BuildScratch, &scratch.name()}}};
+    if (refit) record.info.reads.push_back(builds.front().refit_from.name());
     for (const gpu::BlasBuild& build : builds) {
+        PARHELION_CHECK(static_cast<bool>(build.refit_from) == refit, "{} is built among refits, or refitted among builds", build.blas.name());
         record.accesses.push_back({build.blas.id(), Use::BuildWrite, &build.blas.name()});
         keep(build.blas.data());
+        if (!refit) continue;
+        record.accesses.push_back({build.refit_from.id(), Use::BuildRead, &build.refit_from.name()});
+        keep(build.refit_from.data());
     }
     for (const gpu::Buffer& input : inputs) {
         record.info.reads.push_back(input.name());

@@ -31,12 +31,12 @@ void create(AccelStruct::Data& data, VkAccelerationStructureTypeKHR type, std::s
     Device::Impl& impl = data.device->impl();
     VkAccelerationStructureBuildGeometryInfoKHR build{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_GEOMETRY_INFO_KHR};
     build.type = type;
-    build.flags = type == VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR ? kTopFlags : kBottomFlags;
+    build.flags = data.flags;
     build.geometryCount = static_cast<uint32_t>(geometries.size());
     build.pGeometries = geometries.data();
     VkAccelerationStructureBuildSizesInfoKHR sizes{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_SIZES_INFO_KHR};
     impl.vk.vkGetAccelerationStructureBuildSizesKHR(impl.device, VK_ACCELERATION_STRUCTURE_BUILD_TYPE_DEVICE_KHR, &build, counts.data(), &sizes);
-    data.scratch_bytes = std::max<uint64_t>(sizes.buildScratchSize, 1) + impl.physical.caps.scratch_alignment;
+    data.scratch_bytes = std::max<uint64_t>({sizes.buildScratchSize, sizes.updateScratchSize, 1}) + impl.physical.caps.scratch_alignment;
     create_handle(data, type, sizes.accelerationStructureSize);
 }
 
@@ -66,9 +66,10 @@ VkAccelerationStructureGeometryKHR instance_geometry(uint64_t instances_address)
     return out;
 }
 
-AccelStruct AccelStruct::bottom(const DevicePtr& device, std::string name, std::span<const BlasGeometry> geometries) {
+AccelStruct AccelStruct::bottom(const DevicePtr& device, std::string name, std::span<const BlasGeometry> geometries, BlasClass blas_class) {
     require_accel(device->impl(), name);
     auto data = std::make_shared<Data>();
+    data->flags = blas_class == BlasClass::Deforming ? kDeformingFlags : kStaticFlags;
     data->device = device;
     data->name = std::move(name);
     PARHELION_CHECK(!geometries.empty(), "{} has no geometry", data->name);
@@ -116,6 +117,7 @@ AccelStruct::Data::~Data() {
 }
 
 uint64_t AccelStruct::address() const { return data_->address; }
+bool AccelStruct::deforming() const { return data_->flags == kDeformingFlags; }
 uint64_t AccelStruct::bytes() const { return data_->storage.bytes; }
 uint64_t AccelStruct::scratch_bytes() const { return data_->scratch_bytes; }
 const std::string& AccelStruct::name() const { return data_->name; }

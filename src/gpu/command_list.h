@@ -44,10 +44,12 @@ struct BarrierScope {
     std::vector<Use> before, after;
 };
 
-// A bottom level to build, from these geometries.
+// A bottom level to build, from these geometries. With `refit_from`, a built one of the deforming class like `blas`, only positions may
+// differ from what that one was built from; its tree is kept and fitted to them.
 struct BlasBuild {
     AccelStruct blas;
     std::vector<BlasGeometry> geometries;
+    AccelStruct refit_from;
 };
 
 // Timestamps of one frame; two per pass.

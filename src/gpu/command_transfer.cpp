@@ -28,8 +28,9 @@ struct BlasInfo {
     std::vector<VkAccelerationStructureBuildRangeInfoKHR> ranges;
     VkAccelerationStructureBuildGeometryInfoKHR header{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_GEOMETRY_INFO_KHR};
 
-    void fill(const AccelStruct& blas, std::span<const BlasGeometry> geometries, uint64_t scratch) {
-        const AccelStruct::Data& data = *blas.data();
+    void fill(const BlasBuild& build, uint64_t scratch) {
+        const AccelStruct::Data& data = *build.blas.data();
+        const std::vector<BlasGeometry>& geometries = build.geometries;
         PARHELION_CHECK(geometries.size() == data.sizes.size(), "{} is built from {} geometries and was made for {}", data.name, geometries.size(), data.sizes.size());
         for (size_t i = 0; i < geometries.size(); ++i) {
             const BlasGeometry& geometry = geometries[i];
@@ -40,8 +41,14 @@ struct BlasInfo {
             ranges.push_back({geometry.triangle_count, 0, 0, 0});
         }
         header.type = VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR;
-        header.flags = kBottomFlags;
+        header.flags = data.flags;
         header.mode = VK_BUILD_ACCELERATION_STRUCTURE_MODE_BUILD_KHR;
+        if (build.refit_from) {
+            const AccelStruct::Data& from = *build.refit_from.data();
+            PARHELION_CHECK(data.flags == kDeformingFlags && from.flags == kDeformingFlags && from.sizes == data.sizes, "{} cannot be refitted from {}", data.name, from.name);
+            header.mode = VK_BUILD_ACCELERATION_STRUCTURE_MODE_UPDATE_KHR;
+            header.srcAccelerationStructure = from.handle;
+        }
         header.dstAccelerationStructure = data.handle;
         header.geometryCount = static_cast<uint32_t>(triangles.size());
         header.pGeometries = triangles.data();
@@ -110,7 +117,7 @@ void CommandList::build_blas(std::span<const BlasBuild> builds, const Buffer& sc
     std::vector<const VkAccelerationStructureBuildRangeInfoKHR*> ranges;
     uint64_t offset = 0;
     for (size_t i = 0; i < builds.size(); ++i) {
-        infos[i].fill(builds[i].blas, builds[i].geometries, scratch_address(builds[i].blas, scratch, offset, impl_->device->caps().scratch_alignment));
+        infos[i].fill(builds[i], scratch_address(builds[i].blas, scratch, offset, impl_->device->caps().scratch_alignment));
         offset += builds[i].blas.scratch_bytes();
         headers.push_back(infos[i].header);
         ranges.push_back(infos[i].ranges.data());

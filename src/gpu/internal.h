@@ -223,6 +223,10 @@ struct Sampler::Data {
     VkSampler handle = nullptr;
 };
 
+constexpr VkBuildAccelerationStructureFlagsKHR kTopFlags = VK_BUILD_ACCELERATION_STRUCTURE_PREFER_FAST_TRACE_BIT_KHR;
+constexpr VkBuildAccelerationStructureFlagsKHR kStaticFlags = kTopFlags | VK_BUILD_ACCELERATION_STRUCTURE_ALLOW_COMPACTION_BIT_KHR;
+constexpr VkBuildAccelerationStructureFlagsKHR kDeformingFlags = kTopFlags | VK_BUILD_ACCELERATION_STRUCTURE_ALLOW_UPDATE_BIT_KHR;
+
 struct AccelStruct::Data {
     DevicePtr device;
     std::string name;
@@ -231,12 +235,11 @@ struct AccelStruct::Data {
     uint64_t address = 0, scratch_bytes = 0;
     uint32_t max_instances = 0;                   // top level
     std::vector<std::pair<uint32_t, uint32_t>> sizes;  // bottom level: vertices, triangles of each geometry
+    VkBuildAccelerationStructureFlagsKHR flags = kTopFlags;
     ~Data();
 };
 VkAccelerationStructureGeometryKHR triangle_geometry(const BlasGeometry& geometry);
 VkAccelerationStructureGeometryKHR instance_geometry(uint64_t instances_address);
-constexpr VkBuildAccelerationStructureFlagsKHR kTopFlags = VK_BUILD_ACCELERATION_STRUCTURE_PREFER_FAST_TRACE_BIT_KHR;
-constexpr VkBuildAccelerationStructureFlagsKHR kBottomFlags = kTopFlags | VK_BUILD_ACCELERATION_STRUCTURE_ALLOW_COMPACTION_BIT_KHR;
 
 struct AccelSizes::Data {
     DevicePtr device;

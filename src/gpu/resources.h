@@ -139,11 +139,14 @@ constexpr uint32_t kInstanceDisableCulling = 1;  // VK_GEOMETRY_INSTANCE_TRIANGL
 constexpr uint32_t kInstanceForceOpaque = 4;     // VK_GEOMETRY_INSTANCE_FORCE_OPAQUE_BIT_KHR
 constexpr uint32_t kInstanceForceNoOpaque = 8;   // VK_GEOMETRY_INSTANCE_FORCE_NO_OPAQUE_BIT_KHR
 
+// Static bottom levels can be compacted; deforming ones can be refitted to other positions instead of being built.
+enum class BlasClass { Static, Deforming };
+
 class AccelStruct {
 public:
     AccelStruct() = default;
     // Bottom level for these geometries; build it with CommandList::build_blas.
-    static AccelStruct bottom(const DevicePtr& device, std::string name, std::span<const BlasGeometry> geometries);
+    static AccelStruct bottom(const DevicePtr& device, std::string name, std::span<const BlasGeometry> geometries, BlasClass blas_class = BlasClass::Static);
     // Bottom level that takes a compacted copy of this size (CommandList::compact_blas; the size is one of AccelSizes).
     static AccelStruct compacted(const DevicePtr& device, std::string name, uint64_t bytes);
     // Top level for up to max_instances instances.
@@ -152,7 +155,8 @@ public:
     explicit operator bool() const { return data_ != nullptr; }
     uint64_t address() const;        // for TlasInstance::blas_address
     uint64_t bytes() const;
-    uint64_t scratch_bytes() const;  // for a build, alignment included
+    uint64_t scratch_bytes() const;  // for a build or a refit, alignment included
+    bool deforming() const;
     const std::string& name() const;
     const void* id() const { return data_.get(); }
 

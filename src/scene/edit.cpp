@@ -2,6 +2,7 @@
 // brought up to date once at the end, however many nodes moved.
 #include "scene/edit.h"
 
+#include <algorithm>
 #include <atomic>
 #include <type_traits>
 #include <unordered_map>
@@ -129,6 +130,7 @@ struct Scene::Checker {
     bool removes = false;
     std::unordered_map<Handle<Material>, const Material*> replaced = {};  // the last value of each
     std::unordered_map<Handle<Instance>, Handle<Mesh>> posed = {};        // likewise
+    std::vector<const Mesh*> added_meshes = {};                           // by index of the pending handle
 
     template <class T>
     bool alive(Handle<T> handle) const {
@@ -155,7 +157,20 @@ struct Scene::Checker {
     void operator()(const SceneEdit::Add<T>& step) {
         detail::check_value(step.value);
         check_refs(step.value);
+        if constexpr (std::is_same_v<T, Mesh>) {
+            if (step.value.rest) check_form(step.value, step.value.rest.pending() ? *added_meshes[step.value.rest.index] : scene.get(step.value.rest));
+            added_meshes.push_back(&step.value);
+        }
         ++added[kKind<T>];
+    }
+    // What a refit leans on.
+    static void check_form(const Mesh& form, const Mesh& rest) {
+        const bool same = std::ranges::equal(form.primitives, rest.primitives, [](const Primitive& a, const Primitive& b) {
+            return a.positions.size() == b.positions.size() && a.triangles.size() == b.triangles.size();
+        });
+        if (same && !rest.rest) return;
+        throw Error(ErrorCode::Failed, fmt::format("is no deformed form of '{}', which {}", escape_name(rest.name), same ? "is a form itself" : "has other numbers of primitives, vertices or triangles"),
+                    fmt::format("mesh '{}'", escape_name(form.name)), "name the mesh at rest in Mesh::rest, or none");
     }
     template <class T>
     void operator()(const SceneEdit::Remove<T>& step) {

@@ -139,6 +139,7 @@ public:
 private:
     // Instances that look alike before a skin takes them apart.
     struct Group {
+        Handle<Mesh> rest_handle;
         const Mesh* rest = nullptr;
         std::vector<float> weights;
         std::vector<Handle<Instance>> rigid, skinned;
@@ -218,6 +219,7 @@ private:
                 continue;
             }
             Group& group = groups[{instance.mesh.index, weights}];
+            group.rest_handle = mesh.rest ? mesh.rest : instance.mesh;
             group.rest = &mesh;
             group.weights = std::move(weights);
             (skinned ? group.skinned : group.rigid).push_back(handle);
@@ -241,6 +243,7 @@ private:
     void deform(const Group& group) {
         if (charge_) charge_(copied_bytes(*group.rest));
         Mesh base = morphed(*group.rest, group.weights);
+        base.rest = group.rest_handle;
         for (const Handle<Instance> handle : group.skinned) {
             if (charge_) charge_(copied_bytes(base));
             Mesh mesh = base;

@@ -9,7 +9,8 @@ namespace parhelion {
 
 // What brings the scene to `seconds` of its animations (`animation`: see choose_animations); what none of them moves stays as it
 // is. The edit moves nodes, sets morph weights, and gives every instance that a skin or a weight other than 0 deforms a posed mesh
-// (Instance::posed) in its own object space, without targets and joints; morph targets act before the skin (glTF 2.0, 3.7.2.2).
+// (Instance::posed) in its own object space, a form of its mesh (Mesh::rest) without targets and joints; morph targets act before the
+// skin (glTF 2.0, 3.7.2.2).
 // Instances without skin that share mesh and weights share the posed mesh. Posed meshes that this leaves without a user are removed.
 // A skin puts vertices into the world whatever the transform of the instance (3.7.3.3); if that cannot be inverted, the instance
 // cannot be seen, which is logged as a warning. Front faces stay front faces where joints mirror.

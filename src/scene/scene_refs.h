@@ -17,6 +17,7 @@ void visit_refs(Material& material, V&& visit) {
 }
 template <class V>
 void visit_refs(Mesh& mesh, V&& visit) {
+    visit(mesh.rest, false);
     for (Primitive& primitive : mesh.primitives) {
         visit(primitive.material, true);
         for (Handle<Material>& material : primitive.variant_materials) visit(material, false);

@@ -190,6 +190,9 @@ struct Mesh {
     std::vector<Primitive> primitives;
     std::vector<float> weights;             // of the morph targets, which all primitives have alike; default 0
     std::vector<std::string> target_names;  // of the morph targets, where the file names them
+    // The mesh that this one is a deformed form of, which says that its acceleration structures can be refitted instead of built: as
+    // many primitives, of as many vertices and triangles each. A form of a form is refused; none: a mesh of its own.
+    Handle<Mesh> rest;
     Bounds bounds;                          // kept by Scene
     uint64_t triangle_count = 0;  // kept by Scene
 };

@@ -1,5 +1,5 @@
-// The bottom levels of both kinds of acceleration structure: built mesh by mesh once the geometry is there, the driver's then
-// compacted.
+// The bottom levels of both kinds of acceleration structure: built mesh by mesh once the geometry is there, or refitted; the driver's
+// then compacted.
 #include <algorithm>
 #include <chrono>
 #include <cstring>
@@ -26,6 +26,12 @@ OpacityFlags opacity_flags(const Scene& scene, const Mesh& mesh, bool culling) {
 
 // ---- ours ----
 
+std::vector<bvh::BottomGeometry> bottom_geometries(const Mesh& mesh) {
+    std::vector<bvh::BottomGeometry> out;
+    for (const Primitive& p : mesh.primitives) out.push_back({p.positions, p.triangles});
+    return out;
+}
+
 // A tree is built with numbers of its own; where it is copied to, they become those of the shared arrays.
 RowSource SceneGpu::State::own_node_rows(const MeshOnDevice& mesh) const {
     const auto first_node = static_cast<uint32_t>(mesh.own_nodes), first_triangle = static_cast<uint32_t>(mesh.own_triangles);
@@ -38,28 +44,31 @@ RowSource SceneGpu::State::own_triangle_rows(const MeshOnDevice& mesh) const {
             [&tree = *mesh.own_host](std::byte* to, uint64_t first, uint64_t count) { std::memcpy(to, tree.triangles.data() + first, count * sizeof(shared::BvhTriangle)); }};
 }
 
-// One tree at a time is on the host.
+// Room for a mesh's tree in the shared arrays.
+void SceneGpu::State::take_own_rows(Frame& frame, MeshOnDevice& mesh, uint64_t nodes, uint64_t triangles) {
+    mesh.own_node_count = nodes;
+    mesh.own_triangle_count = triangles;
+    mesh.own_nodes = bottom_nodes.take(frame, nodes);
+    mesh.own_triangles = bottom_triangles.take(frame, triangles);
+    if (mesh.own_nodes + nodes >= shared::kBvhItemMask || mesh.own_triangles + triangles >= shared::kBvhItemMask)
+        throw Error(ErrorCode::Failed, "the scene has more than 2^31 triangles", "own BVH", "trace by pipeline or query");
+}
+
+// One tree at a time is on the host. Deformed forms have theirs from their mesh at rest (refit.cpp).
 void SceneGpu::State::build_own_bottoms(Frame& frame, Slice& slice) {
     if (!options.own_bvh) return;
     for (const Handle<Mesh> handle : wanted_meshes) {
         MeshOnDevice& mesh = meshes.at(handle);
-        if (mesh.own_ready) continue;
+        if (mesh.own_ready || mesh.rest) continue;
         if (!mesh.own_host) {
             if (!slice.has_triangles() || !slice.has_bytes()) return;
             const auto start = std::chrono::steady_clock::now();
-            std::vector<bvh::BottomGeometry> geometries_of_mesh;
-            for (const Primitive& p : scene->get(handle).primitives) geometries_of_mesh.push_back({p.positions, p.triangles});
             mesh.own_host = std::make_unique<bvh::Bottoms>();
             mesh.own_host->nodes.layout = layout;
-            bvh::add_bottom(*mesh.own_host, geometries_of_mesh);
+            bvh::add_bottom(*mesh.own_host, bottom_geometries(scene->get(handle)));
             stats.own_build_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
             slice.take_triangles(mesh.triangle_count);
-            mesh.own_node_count = mesh.own_host->nodes.size();
-            mesh.own_triangle_count = mesh.own_host->triangles.size();
-            mesh.own_nodes = bottom_nodes.take(frame, mesh.own_node_count);
-            mesh.own_triangles = bottom_triangles.take(frame, mesh.own_triangle_count);
-            if (mesh.own_nodes + mesh.own_node_count >= shared::kBvhItemMask || mesh.own_triangles + mesh.own_triangle_count >= shared::kBvhItemMask)
-                throw Error(ErrorCode::Failed, "the scene has more than 2^31 triangles", "own BVH", "trace by pipeline or query");
+            take_own_rows(frame, mesh, mesh.own_host->nodes.size(), mesh.own_host->triangles.size());
             mesh.own_root = mesh.own_host->nodes.read(mesh.own_host->roots.front());
         }
         const RowSource rows[] = {own_node_rows(mesh), own_triangle_rows(mesh)};
@@ -71,45 +80,67 @@ void SceneGpu::State::build_own_bottoms(Frame& frame, Slice& slice) {
 
 // ---- the driver's ----
 
+namespace {
+
+gpu::BlasBuild make_build(const MeshOnDevice& mesh, const OpacityFlags& flags) {
+    gpu::BlasBuild build;
+    for (size_t i = 0; i < mesh.parts.size(); ++i)
+        build.geometries.push_back({.positions = mesh.parts[i].positions.address(),
+                                    .vertex_count = mesh.parts[i].vertex_count,
+                                    .indices = mesh.parts[i].indices.address(),
+                                    .triangle_count = mesh.parts[i].triangle_count,
+                                    .opaque = flags.opaque[i]});
+    return build;
+}
+
+// Vulkan lets a refit change positions only, so a form that winds some triangles the other way (mirroring joints) is built.
+bool same_triangles(const Mesh& a, const Mesh& b) {
+    return std::ranges::equal(a.primitives, b.primitives, [](const Primitive& x, const Primitive& y) { return x.triangles == y.triangles; });
+}
+
+}  // namespace
+
+// What is deformed is refitted from its mesh at rest, where that can be; the others are built, those at rest so that they can be refitted.
 void SceneGpu::State::build_driver_bottoms(Frame& frame, Slice& slice) {
     if (!uses_hardware()) return;
-    std::vector<gpu::BlasBuild> builds;
-    std::vector<gpu::AccelStruct> blases;
+    std::vector<gpu::BlasBuild> builds, refits;
     Measurement measurement;
     uint64_t scratch = 0;
-    for (const Handle<Mesh> handle : wanted_meshes) {
+    for (const Handle<Mesh> handle : resident_meshes) {
         MeshOnDevice& mesh = meshes.at(handle);
         if (!mesh.uploaded) continue;
-        OpacityFlags flags = opacity_flags(*scene, scene->get(handle), options.culling);
-        if (mesh.blas && mesh.opaque == flags.opaque) {
+        const Mesh& source = scene->get(handle);
+        OpacityFlags flags = opacity_flags(*scene, source, options.culling);
+        if (mesh.blas && mesh.opaque == flags.opaque && (!mesh.has_forms || mesh.blas.deforming())) {
             mesh.cull_by_flag = flags.cull_by_flag;
             continue;
         }
         mesh.blas = {};
         if (!slice.has_triangles() || scratch > 4 * options.slice_bytes) continue;
-        gpu::BlasBuild build;
-        for (size_t i = 0; i < mesh.parts.size(); ++i)
-            build.geometries.push_back({.positions = mesh.parts[i].positions.address(),
-                                        .vertex_count = mesh.parts[i].vertex_count,
-                                        .indices = mesh.parts[i].indices.address(),
-                                        .triangle_count = mesh.parts[i].triangle_count,
-                                        .opaque = flags.opaque[i]});
-        build.blas = mesh.blas = gpu::AccelStruct::bottom(device, "accel/bottom", build.geometries);
+        gpu::BlasBuild build = make_build(mesh, flags);
+        if (mesh.rest && same_triangles(source, scene->get(mesh.rest))) {
+            const MeshOnDevice& rest = meshes.at(mesh.rest);
+            if (!rest.blas) continue;
+            if (rest.opaque == flags.opaque) build.refit_from = rest.blas;
+        }
+        const bool deforming = mesh.has_forms || build.refit_from;
+        build.blas = mesh.blas = gpu::AccelStruct::bottom(device, "accel/bottom", build.geometries, deforming ? gpu::BlasClass::Deforming : gpu::BlasClass::Static);
         mesh.opaque = std::move(flags.opaque);
         mesh.cull_by_flag = flags.cull_by_flag;
         mesh.built_bytes = mesh.blas.bytes();
         scratch += mesh.blas.scratch_bytes();
         slice.take_triangles(mesh.triangle_count);
-        blases.push_back(mesh.blas);
-        measurement.meshes.push_back(handle);
-        builds.push_back(std::move(build));
+        if (!deforming) {
+            measurement.built.push_back(mesh.blas);
+            measurement.meshes.push_back(handle);
+        }
+        (build.refit_from ? refits : builds).push_back(std::move(build));
     }
-    if (builds.empty()) return;
-    frame.build_blas(std::move(builds), geometry_pool.buffers());
-    if (!options.compact) return;
-    measurement.sizes = gpu::AccelSizes(device, static_cast<uint32_t>(blases.size()));
-    measurement.built = blases;
-    frame.measure_blas(std::move(blases), measurement.sizes);
+    if (!builds.empty()) frame.build_blas(std::move(builds), geometry_pool.buffers());
+    if (!refits.empty()) frame.build_blas(std::move(refits), geometry_pool.buffers());
+    if (!options.compact || measurement.meshes.empty()) return;
+    measurement.sizes = gpu::AccelSizes(device, static_cast<uint32_t>(measurement.built.size()));
+    frame.measure_blas(measurement.built, measurement.sizes);
     measurements.push_back(std::move(measurement));
 }
 
@@ -129,7 +160,7 @@ void SceneGpu::State::compact_bottoms(Frame& frame) {
         return true;
     });
     stats.bottom_bytes_built = stats.bottom_bytes = 0;
-    for (const Handle<Mesh> handle : wanted_meshes) {
+    for (const Handle<Mesh> handle : resident_meshes) {
         const MeshOnDevice& mesh = meshes.at(handle);
         if (!mesh.blas) continue;
         stats.bottom_bytes_built += mesh.built_bytes;

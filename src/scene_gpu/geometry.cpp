@@ -47,7 +47,7 @@ uint64_t bytes_of(const Mesh& mesh) {
 }
 
 // By index of the handle: the meshes that some instance draws.
-std::vector<bool> drawn_meshes(const Scene& scene) {
+std::vector<bool> find_drawn(const Scene& scene) {
     std::vector<bool> drawn(scene.meshes().slot_count(), false);
     for (const auto& [handle, instance] : scene.instances()) {
         const uint32_t mesh = instance.drawn_mesh().index;
@@ -59,22 +59,35 @@ std::vector<bool> drawn_meshes(const Scene& scene) {
 }  // namespace
 
 void SceneGpu::State::plan_meshes() {
-    for (auto& [handle, mesh] : meshes) mesh.wanted = false;
+    for (auto& [handle, mesh] : meshes) mesh.wanted = mesh.drawn = mesh.has_forms = false;
     wanted_meshes.clear();
-    const std::vector<bool> drawn = drawn_meshes(*scene);
+    resident_meshes.clear();
+    const std::vector<bool> drawn = find_drawn(*scene);
     uint64_t new_bytes = 0, new_triangles = 0, new_nodes = 0;
-    for (const auto& [handle, mesh] : scene->meshes()) {
-        if (!drawn[handle.index] || mesh.triangle_count == 0) continue;
+    const auto want = [&](Handle<Mesh> handle, const Mesh& mesh) -> MeshOnDevice& {
         const auto [at, is_new] = meshes.try_emplace(handle);
-        at->second.wanted = true;
-        wanted_meshes.push_back(handle);
-        if (!is_new) continue;
-        at->second.bytes = bytes_of(mesh);
-        at->second.triangle_count = mesh.triangle_count;
-        new_bytes += at->second.bytes + 64 * mesh.primitives.size();  // arrays are aligned
+        MeshOnDevice& on_device = at->second;
+        on_device.wanted = true;
+        if (!is_new) return on_device;
+        on_device.rest = mesh.rest;
+        on_device.bytes = bytes_of(mesh);
+        on_device.triangle_count = mesh.triangle_count;
+        new_bytes += on_device.bytes + 64 * mesh.primitives.size();  // arrays are aligned
         new_triangles += mesh.triangle_count;
         new_nodes += mesh.triangle_count / (layout == bvh::Layout::Binary ? 2 : 5) + 1;  // about; more make the array grow
+        return on_device;
+    };
+    for (const auto& [handle, mesh] : scene->meshes()) {
+        if (!drawn[handle.index] || mesh.triangle_count == 0) continue;
+        want(handle, mesh).drawn = true;
+        wanted_meshes.push_back(handle);
+        if (!mesh.rest) continue;
+        MeshOnDevice& rest = want(mesh.rest, scene->get(mesh.rest));
+        if (!rest.has_forms) resident_meshes.push_back(mesh.rest);
+        rest.has_forms = true;
     }
+    for (const Handle<Mesh> handle : wanted_meshes)
+        if (!meshes.at(handle).has_forms) resident_meshes.push_back(handle);
     // What has never been seen may go at once.
     forget_meshes([](const MeshOnDevice& mesh) { return !mesh.wanted && mesh.drawn_at == 0; });
     if (new_triangles == 0) return;
@@ -84,9 +97,9 @@ void SceneGpu::State::plan_meshes() {
 }
 
 void SceneGpu::State::upload_meshes(Frame& frame, Slice& slice) {
-    for (const Handle<Mesh> handle : wanted_meshes) {
+    for (const Handle<Mesh> handle : resident_meshes) {
         MeshOnDevice& mesh = meshes.at(handle);
-        if (mesh.uploaded) continue;
+        if (mesh.uploaded || !needs_geometry(mesh)) continue;
         if (!slice.has_bytes()) return;
         const Mesh& source = scene->get(handle);
         if (mesh.parts.empty()) {
@@ -151,6 +164,8 @@ void SceneGpu::State::forget_meshes(const std::function<bool(const MeshOnDevice&
         geometry_rows.give(mesh.geometry_base, mesh.parts.size());
         bottom_nodes.give(mesh.own_nodes, mesh.own_node_count);
         bottom_triangles.give(mesh.own_triangles, mesh.own_triangle_count);
+        plan_nodes.give(mesh.plan.nodes, mesh.plan.node_count);
+        plan_triangles.give(mesh.plan.triangles, mesh.plan.triangle_count);
         at = meshes.erase(at);
     }
 }

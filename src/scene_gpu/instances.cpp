@@ -56,6 +56,12 @@ uint32_t own_flags(uint32_t of_mesh, InstanceOpacity opacity) {
     return opacity == InstanceOpacity::Asked ? of_mesh & ~shared::kBvhOpaque : of_mesh;
 }
 
+// Skin or weights can move its vertices, whether they do so now or not: where they were a frame ago is not said by transforms alone.
+bool deforms(const Scene& scene, const Instance& instance) {
+    const auto has_targets = [](const Primitive& p) { return !p.targets.empty(); };
+    return instance.posed || instance.skin || std::ranges::any_of(scene.get(instance.mesh).primitives, has_targets);
+}
+
 }  // namespace
 
 // An instance keeps its row while it is drawn. A row that it leaves keeps its contents for one frame, because the previous frame's
@@ -133,7 +139,7 @@ void SceneGpu::State::place_instances() {
             row.world_from_object_before = to_affine(place.world_from_object_before);
             row.geometry_base = drawn_mesh[i]->geometry_base;
             row.geometry_count = static_cast<uint32_t>(drawn_mesh[i]->parts.size());
-            row.flags = mirrors(place.world_from_object) ? shared::kInstanceFlipsFacing : 0u;
+            row.flags = (mirrors(place.world_from_object) ? shared::kInstanceFlipsFacing : 0u) | (deforms(*scene, instance) ? shared::kInstanceDeforms : 0u);
             row.mask = instance.ray_mask;
         }
     });
@@ -164,6 +170,8 @@ void SceneGpu::State::place_own_top(std::span<const uint32_t> drawn, std::span<M
         if (materials_stale || !mesh.own_flags) mesh.own_flags = own_flags(opacity_flags(*scene, scene->get(handle), options.culling));
         stats.own_bottom_bytes += mesh.own_node_count * bvh::node_bytes(layout) + mesh.own_triangle_count * sizeof(shared::BvhTriangle);
     }
+    for (const Handle<Mesh> handle : resident_meshes)
+        stats.own_bottom_bytes += meshes.at(handle).plan.node_count * sizeof(shared::RefitNode) + meshes.at(handle).plan.triangle_count * sizeof(shared::RefitTriangle);
     const auto start = std::chrono::steady_clock::now();
     std::vector<bvh::TopItem> items(drawn.size());
     parallel_for(drawn.size(), kGrain, [&](size_t begin, size_t end) {

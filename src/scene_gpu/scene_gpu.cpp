@@ -11,7 +11,9 @@ SceneGpu::State::State(gpu::DevicePtr the_device, const SceneGpuOptions& the_opt
       layout(choose_node_layout(device->caps(), options.node_layout)),
       geometry_pool(device, "scene/geometry", options.geometry_buffer_bytes),
       bottom_nodes(device, "scene/bottom_nodes", bvh::node_bytes(layout)),
-      bottom_triangles(device, "scene/bottom_triangles", sizeof(shared::BvhTriangle)) {}
+      bottom_triangles(device, "scene/bottom_triangles", sizeof(shared::BvhTriangle)),
+      plan_nodes(device, "scene/refit_plan_nodes", sizeof(shared::RefitNode)),
+      plan_triangles(device, "scene/refit_plan_triangles", sizeof(shared::RefitTriangle)) {}
 
 SceneGpu::SceneGpu(gpu::DevicePtr device, const SceneGpuOptions& options) : state_(std::make_unique<State>(std::move(device), options)) {}
 SceneGpu::~SceneGpu() = default;
@@ -50,6 +52,8 @@ SceneProgress SceneGpu::update(Frame& frame) {
         s.upload_images(frame, slice);
         s.upload_meshes(frame, slice);
         s.build_own_bottoms(frame, slice);
+        s.plan_refits(frame, slice);
+        s.refit_own_bottoms(frame, slice);
         s.build_driver_bottoms(frame, slice);
         s.compact_bottoms(frame);
         s.measure_progress();
@@ -71,6 +75,8 @@ void SceneGpu::State::begin_anew() {
     geometry_pool = BufferPool(device, "scene/geometry", options.geometry_buffer_bytes);
     bottom_nodes = RowArray(device, "scene/bottom_nodes", bvh::node_bytes(layout));
     bottom_triangles = RowArray(device, "scene/bottom_triangles", sizeof(shared::BvhTriangle));
+    plan_nodes = RowArray(device, "scene/refit_plan_nodes", sizeof(shared::RefitNode));
+    plan_triangles = RowArray(device, "scene/refit_plan_triangles", sizeof(shared::RefitTriangle));
     geometry_rows = FreeRanges(1ull << 32);
     meshes.clear();
     measurements.clear();
@@ -102,9 +108,9 @@ bool SceneGpu::State::is_resident() const {
     if (!scene->environment().radiance.empty() && !environment_image.ready) return false;
     for (const auto& [key, image] : images)
         if (image.wanted && !image.ready) return false;
-    for (const Handle<Mesh> handle : wanted_meshes) {
+    for (const Handle<Mesh> handle : resident_meshes) {
         const MeshOnDevice& mesh = meshes.at(handle);
-        if (!mesh.uploaded || (uses_hardware() && !mesh.blas) || (options.own_bvh && !mesh.own_ready)) return false;
+        if ((needs_geometry(mesh) && !mesh.uploaded) || (uses_hardware() && !mesh.blas) || (options.own_bvh && mesh.drawn && !mesh.own_ready)) return false;
     }
     return true;
 }
@@ -116,13 +122,14 @@ void SceneGpu::State::measure_progress() {
     const auto add = [&](double amount, double share) { total += amount, done += amount * share; };
     for (const auto& [key, image] : images)
         if (image.wanted) add(double(image.bytes), image.ready ? 1.0 : double(image.done_bytes) / double(std::max<uint64_t>(image.bytes, 1)));
-    for (const Handle<Mesh> handle : wanted_meshes) {
+    for (const Handle<Mesh> handle : resident_meshes) {
         const MeshOnDevice& mesh = meshes.at(handle);
         uint64_t rows = 0;
         for (const PartOnDevice& part : mesh.parts) rows += 2ull * part.vertex_count + part.triangle_count;
-        add(double(mesh.bytes), mesh.uploaded ? 1.0 : double(mesh.done_rows) / double(std::max<uint64_t>(rows, 1)));
+        if (needs_geometry(mesh)) add(double(mesh.bytes), mesh.uploaded ? 1.0 : double(mesh.done_rows) / double(std::max<uint64_t>(rows, 1)));
         if (uses_hardware()) add(kBottomBytes * double(mesh.triangle_count), mesh.blas ? 1 : 0);
-        if (options.own_bvh) add(kBottomBytes * double(mesh.triangle_count), mesh.own_ready ? 1 : mesh.own_host ? 0.8 : 0);
+        if (options.own_bvh && mesh.drawn) add(kBottomBytes * double(mesh.triangle_count), mesh.own_ready ? 1 : mesh.own_host ? 0.8 : 0);
+        if (options.own_bvh && mesh.has_forms) add(kBottomBytes * double(mesh.triangle_count), mesh.plan.ready ? 1 : mesh.plan.host ? 0.8 : 0);
     }
     const bool complete = published > 0 && !tables_running && !anything_stale && !moved_by_compaction && measurements.empty();
     progress = {.drawable = published > 0, .complete = complete, .done = complete ? total : done, .total = total};

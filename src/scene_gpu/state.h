@@ -13,7 +13,7 @@
 #include <unordered_set>
 #include <vector>
 
-#include "bvh/bvh.h"
+#include "bvh/refit.h"
 #include "scene_gpu/ranges.h"
 #include "scene_gpu/scene_gpu.h"
 #include "scene_gpu/slice.h"
@@ -37,7 +37,18 @@ struct PartOnDevice {
     uint32_t vertex_count = 0, triangle_count = 0;
 };
 
+// What the deformed forms of a mesh have in common: its rows in the shared arrays of plans. `host` is the plan on its way there.
+struct RefitPlanOnDevice {
+    std::unique_ptr<bvh::RefitPlan> host;
+    uint64_t nodes = 0, node_count = 0, triangles = 0, triangle_count = 0, done_rows = 0;
+    bool ready = false;
+};
+
 struct MeshOnDevice {
+    Handle<Mesh> rest;       // the mesh that it is a deformed form of
+    bool has_forms = false;  // wanted meshes are deformed forms of it
+    bool drawn = false;      // by an instance; else it is wanted for its forms
+    RefitPlanOnDevice plan;
     std::vector<PartOnDevice> parts;
     uint32_t geometry_base = 0;  // its rows in the geometry table; they stay
     uint64_t triangle_count = 0, bytes = 0;
@@ -89,6 +100,9 @@ bvh::Layout choose_node_layout(const gpu::DeviceCaps& caps, NodeLayout choice);
 // Constant 0 of the programs that trace our own nodes (shared/bvh.h). `plain`: both top levels are.
 uint32_t traversal_variant(const gpu::DeviceCaps& caps, bvh::Layout layout, BvhLoop choice, bool plain);
 
+// What our builder reads of a mesh.
+std::vector<bvh::BottomGeometry> bottom_geometries(const Mesh& mesh);
+
 // Alias rows of non-negative weights. All-zero weights become equal ones: a table must return something.
 std::vector<shared::AliasEntry> make_alias_rows(std::span<const double> weights);
 
@@ -134,13 +148,16 @@ struct SceneGpu::State {
 
     // geometry.cpp
     std::unordered_map<Handle<Mesh>, MeshOnDevice> meshes;
-    std::vector<Handle<Mesh>> wanted_meshes;  // in the scene's order
+    std::vector<Handle<Mesh>> wanted_meshes;    // that instances draw, in the scene's order
+    std::vector<Handle<Mesh>> resident_meshes;  // the same and those that they are forms of, these first
     BufferPool geometry_pool;
     FreeRanges geometry_rows{1ull << 32};
     std::vector<shared::Geometry> geometries;
     gpu::Buffer geometry_table;
     // bottoms.cpp
     RowArray bottom_nodes, bottom_triangles;
+    // refit.cpp
+    RowArray plan_nodes, plan_triangles;
     std::vector<Measurement> measurements;
     // materials.cpp
     std::unordered_map<uint64_t, ImageOnDevice> images;  // by image_key()
@@ -176,6 +193,8 @@ struct SceneGpu::State {
     SceneBinding binding;
     SceneGpuStats stats;
 
+    // Those that are not drawn serve the driver's bottom levels of their forms.
+    bool needs_geometry(const MeshOnDevice& mesh) const { return mesh.drawn || uses_hardware(); }
     bool uses_hardware() const { return options.hardware && (device->caps().ray_pipeline || device->caps().ray_query); }
 
     void begin_anew();
@@ -187,6 +206,9 @@ struct SceneGpu::State {
     void upload_images(Frame& frame, Slice& slice);
     void upload_meshes(Frame& frame, Slice& slice);
     void build_own_bottoms(Frame& frame, Slice& slice);
+    void take_own_rows(Frame& frame, MeshOnDevice& mesh, uint64_t nodes, uint64_t triangles);
+    void plan_refits(Frame& frame, Slice& slice);
+    void refit_own_bottoms(Frame& frame, Slice& slice);
     void build_driver_bottoms(Frame& frame, Slice& slice);
     void compact_bottoms(Frame& frame);
     bool is_resident() const;

@@ -22,6 +22,7 @@ compile_pack() {
         if grep -qF "$root/$file" "$spv.d"; then
             changed=1
             case $name in
+                scene_gpu/*) source=$tree/src/$name.comp ;;
                 scene/*) source=$tree/shaders/$name.$stage ;;
                 device/*) source=$(compgen -G "$tree/tests/device/shaders/${name#device/}.*" | grep -E "\.(comp|trace|$stage)\$") ;;
                 *) source=$(compgen -G "$tree/src/passes/$name.*" | grep -E '\.(comp|trace)$') ;;
@@ -48,6 +49,7 @@ try_bug() {
     cp -r "$root/tests/device/shaders" "$tree/tests/device/shaders"
     cp -r "$root/shaders" "$tree/shaders"
     cp -r "$root/src/passes" "$tree/src/passes"
+    mkdir "$tree/src/scene_gpu" && cp "$root"/src/scene_gpu/*.comp "$tree/src/scene_gpu"
     FROM=$from TO=$to perl -0pi -e 's/\Q$ENV{FROM}\E/$ENV{TO}/ or die "the text is not there\n"' "$tree/$file" || { echo "$name: does not apply to $file"; return; }
     compile_pack "$tree" shaders "$file" && compile_pack "$tree" test_shaders "$file" || { echo "$name: does not compile"; return; }
     out=$(PARHELION_SHADER_DIR=$tree LP_NUM_THREADS=0 timeout "$limit" "$build/tests/$program" --gtest_filter="$filter" --gtest_fail_fast 2>&1)

@@ -11,7 +11,9 @@ struct TestFound {
     uint32_t instance;  // all ones: nothing was hit
     uint32_t primitive;
     uint32_t visible_now, visible_before;
+    uint32_t deforms;  // the hit's bit for instances that skin or weights deform
 
+    friend bool operator==(const TestFound&, const TestFound&) = default;
     bool hit() const { return instance != 0xFFFFFFFFu; }
 };
 

@@ -111,7 +111,7 @@ TEST(Layers, files_stay_within_their_size_budget) {
 }
 
 TEST(Layers, every_shader_entry_says_what_it_reads_and_writes) {
-    for (const char* folder : {"src/passes", "shaders/scene"})
+    for (const char* folder : {"src/passes", "src/scene_gpu", "shaders/scene"})
         for (const fs::path& file : files_below(kRoot / folder, {".comp", ".trace", ".rchit", ".rahit", ".rmiss"})) {
             std::ifstream in(file);
             std::string head, line;

@@ -166,6 +166,7 @@ TEST(Pose, posing_again_starts_from_rest_and_leaves_no_mesh_behind) {
     EXPECT_EQ(s.scene.meshes().size(), 2u);
     EXPECT_FALSE(s.scene.meshes().contains(first));
     EXPECT_EQ(changes.meshes.removed, std::vector<Handle<Mesh>>{first});
+    EXPECT_EQ(s.scene.get(s.scene.get(s.instance).posed).rest, s.scene.get(s.instance).mesh);
     EXPECT_EQ(changes.instances.changed, std::vector<Handle<Instance>>{s.instance});
     EXPECT_TRUE(s.scene.get(s.scene.get(s.instance).mesh).primitives[0].influence_count == 2);
 }

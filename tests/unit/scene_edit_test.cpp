@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 
 #include "scene/scene.h"
@@ -200,6 +201,38 @@ TEST(SceneEdit, what_is_in_use_cannot_be_removed) {
     EXPECT_EQ(changes.instances.removed.size(), 2u);
     EXPECT_EQ(f.scene.nodes().size(), 0u);
     EXPECT_EQ(removing(f.material), "");
+}
+
+TEST(SceneEdit, a_deformed_form_has_the_numbers_of_its_mesh_at_rest) {
+    Fixture f;
+    const auto add = [&](const std::function<void(Mesh&, SceneEdit&)>& change) {
+        SceneEdit edit;
+        Mesh form = triangle(f.material);
+        form.rest = f.mesh;
+        change(form, edit);
+        edit.set_pose(f.loose, edit.add(std::move(form)), {});
+        return error_of(f.scene, std::move(edit));
+    };
+    EXPECT_NE(add([](Mesh& form, SceneEdit&) { form.primitives[0].positions.emplace_back(); }), "");
+    EXPECT_NE(add([](Mesh& form, SceneEdit&) { form.primitives[0].triangles.push_back({0, 1, 2}); }), "");
+    EXPECT_NE(add([](Mesh& form, SceneEdit&) { form.primitives.push_back(form.primitives[0]); }), "");
+    EXPECT_NE(add([](Mesh& form, SceneEdit&) { form.rest = {7, 1}; }), "");
+    // A form of a form, in the scene or in the same edit.
+    EXPECT_NE(add([&](Mesh& form, SceneEdit& edit) {
+                  Mesh between = triangle(f.material);
+                  between.rest = f.mesh;
+                  form.rest = edit.add(std::move(between));
+              }),
+              "");
+    EXPECT_EQ(f.scene.meshes().size(), 1u);
+    EXPECT_EQ(add([](Mesh& form, SceneEdit&) { form.primitives[0].positions[0].x = 3.0f; }), "");
+    EXPECT_EQ(f.scene.get(f.scene.get(f.loose).posed).rest, f.mesh);
+    EXPECT_EQ(add([&](Mesh& form, SceneEdit& edit) { form.rest = edit.add(triangle(f.material)); }), "");
+    // What forms refer to stays.
+    SceneEdit edit;
+    for (const Handle<Instance> instance : {f.hung, f.loose}) edit.remove(instance);
+    edit.remove(f.mesh);
+    EXPECT_NE(error_of(f.scene, std::move(edit)), "");
 }
 
 TEST(SceneEdit, a_texture_may_go_in_the_edit_that_replaces_its_material) {
