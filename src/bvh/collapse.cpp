@@ -29,7 +29,7 @@ struct Plan {
 
 class Planner {
 public:
-    Planner(const BinaryTree& tree, uint32_t width, uint32_t max_leaf) : tree_(tree), width_(width), max_leaf_(max_leaf), node_cost_(node_cost(width)) {
+    Planner(const BinaryTree& tree, uint32_t width, uint32_t max_leaf, float cost_of_node) : tree_(tree), width_(width), max_leaf_(max_leaf), node_cost_(cost_of_node) {
         plans = std::make_unique_for_overwrite<Plan[]>(tree.slots);
         const float root = tree.box_of(tree.root).half_area();
         scale_ = root > 0.0f ? 1.0f / root : 0.0f;
@@ -223,10 +223,10 @@ void append(WideTree& tree, const Writer::Task& task, WideTree part) {
 
 }  // namespace
 
-WideTree collapse(BinaryTree tree, uint32_t width, uint32_t max_leaf, uint32_t max_depth) {
+WideTree collapse(BinaryTree tree, uint32_t width, uint32_t max_leaf, uint32_t max_depth, float cost_of_node) {
     WideTree none{.width = width, .nodes = std::vector<WideNode>(1), .order = {}, .rest = {}};
     if (tree.root == shared::kBvhEmpty) return none;
-    Planner planner(tree, width, max_leaf);
+    Planner planner(tree, width, max_leaf, cost_of_node);
     planner.make();
     const Plan* plans = planner.plans.get();
     Writer top(tree, plans, width, max_leaf);

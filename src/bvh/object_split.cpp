@@ -1,5 +1,3 @@
-#include <bit>
-
 #include "bvh/split.h"
 
 namespace parhelion::bvh {
@@ -12,9 +10,9 @@ struct Bin {
 };
 
 struct Bins {
-    std::array<std::array<Bin, kBins>, 3> bins;
+    std::array<std::array<Bin, kBins>, 4> bins;  // along x, y, z, by size
     void add(const Bins& other) {
-        for (int axis = 0; axis < 3; ++axis)
+        for (int axis = 0; axis <= kBySize; ++axis)
             for (uint32_t b = 0; b < kBins; ++b) bins[axis][b].box.add(other.bins[axis][b].box), bins[axis][b].count += other.bins[axis][b].count;
     }
 };
@@ -35,7 +33,7 @@ uint32_t sortable(float x) {
 
 ObjectSplit best_binned_split(std::span<const Reference> references, const Binning& binning, const Team& team) {
     const Bins sum = team.sum(references, Bins{}, [&](Bins& s, const Reference& r) {
-        for (int axis = 0; axis < 3; ++axis) {
+        for (int axis = 0; axis <= kBySize; ++axis) {
             Bin& bin = s.bins[axis][binning.bin(r, axis)];
             bin.box.add(r.box());
             ++bin.count;
@@ -43,8 +41,8 @@ ObjectSplit best_binned_split(std::span<const Reference> references, const Binni
     });
     const auto count = static_cast<uint32_t>(references.size());
     ObjectSplit best;
-    for (int axis = 0; axis < 3; ++axis) {
-        if (!(binning.scale[axis] > 0.0f)) continue;
+    for (int axis = 0; axis <= kBySize; ++axis) {
+        if (!binning.can_split(axis)) continue;
         const auto& bins = sum.bins[axis];
         std::array<Box, kBins> right_box;
         Box right;

@@ -2,6 +2,7 @@
 // How a range of references may be split in two: by object or in space. Used by the builder of the binary tree.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <span>
 #include <vector>
 
@@ -64,17 +65,25 @@ struct Split {
     Box left, right;
 };
 
-// Maps centers to bins.
+// Maps references to bins: by their centers along three axes, and by size, so that what is as large as the whole range can be set apart
+// from what is small (a room's walls from what is in it).
+constexpr int kBySize = 3;
 struct Binning {
-    explicit Binning(const Box& centers) : low(centers.min) {
-        const glm::vec3 extent = centers.max - centers.min;
+    explicit Binning(const Extent& e) : low(e.centers.min), area(e.box.half_area()) {
+        const glm::vec3 extent = e.centers.max - e.centers.min;
         for (int axis = 0; axis < 3; ++axis) scale[axis] = extent[axis] > 0.0f ? float(kBins) * (1.0f - 1e-6f) / extent[axis] : 0.0f;
     }
     uint32_t bin(const Reference& r, int axis) const {
+        if (axis == kBySize) {  // halvings of the surface: the exponent of a float
+            const float ratio = area / r.box().half_area();
+            return ratio >= 1.0f ? std::min((std::bit_cast<uint32_t>(ratio) >> 23) - 127u, kBins - 1) : 0;
+        }
         const float scaled = (r.min[axis] + r.max[axis] - low[axis]) * scale[axis];
         return scaled > 0.0f ? std::min(static_cast<uint32_t>(scaled), kBins - 1) : 0;
     }
+    bool can_split(int axis) const { return axis == kBySize || scale[axis] > 0.0f; }
     glm::vec3 low, scale;
+    float area;
 };
 
 struct ObjectSplit : Split {

@@ -31,7 +31,8 @@ WideTree build(size_t count, BoxOf&& box_of_item, std::span<const shared::BvhTri
     const uint32_t used = make_references(references.get(), count, box_of_item);
     const auto used_slots = std::min(slots, static_cast<uint32_t>(double(used) * (1.0 + options.growth)));
     const BinaryLimits limits{.max_leaf = options.max_leaf, .max_height = options.width / 2 * options.max_depth};
-    return collapse(build_binary_tree(std::move(references), used, used_slots, triangles, limits), options.width, options.max_leaf, options.max_depth);
+    return collapse(build_binary_tree(std::move(references), used, used_slots, triangles, limits), options.width, options.max_leaf, options.max_depth,
+                    options.node_cost > 0.0f ? options.node_cost : node_cost(options.width));
 }
 
 }  // namespace

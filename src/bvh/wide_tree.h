@@ -49,6 +49,7 @@ struct BuildOptions {
     // References that spatial splits may add, as a share of the triangles. Where it is 0, every triangle is in one leaf, as a tree
     // that is to be refitted needs it; else in one or several, whose boxes together contain it.
     float growth = 0.0f;
+    float node_cost = 0.0f;  // in triangle tests; larger: fewer nodes and larger leaves. 0: what suits the width
 };
 
 // Triangles with a corner that is not finite or beyond +-1e18 are in no leaf.

@@ -163,7 +163,7 @@ TEST_P(BvhBuild, every_triangle_of_a_deforming_mesh_is_in_one_leaf_and_boxes_con
     Random random(1);
     Bottoms bottoms{.nodes = {.layout = GetParam(), .words = {}}, .triangles = {}, .roots = {}};
     std::vector<TestMesh> meshes;
-    for (const uint32_t count : {0u, 1u, 2u, 3u, 4u, 5u, 6u, 17u, 100u, 1000u, 20000u, 70000u})
+    for (const uint32_t count : {0u, 1u, 2u, 3u, 4u, 5u, 6u, 17u, 100u, 1000u, 20000u, 40000u})
         meshes.push_back({make_soup(random, count / 3, 10.0f, 1.0f), {}, make_soup(random, count - count / 3, 3.0f, 0.2f)});
     meshes.push_back({make_icosphere(5, 2.0f)});
     for (const TestMesh& mesh : meshes) add(bottoms, mesh, MeshClass::Deforming);
@@ -200,7 +200,7 @@ TEST_P(BvhBuild, the_parts_of_a_static_mesh_cover_every_triangle) {
         check_bottom(bottoms, m, meshes[m], MeshClass::Static);
         triangles += meshes[m][0].triangles.size();
     }
-    const double expected = GetParam() == Layout::Compact ? 0.99 : 1.1;
+    const double expected = GetParam() == Layout::Compact ? 0.99 : 1.05;
     EXPECT_GT(double(bottoms.triangles.size()), expected * double(triangles)) << "the input is too tame for spatial splits";
 }
 

@@ -43,12 +43,14 @@ TestGeometry make_room(Random& random) {
 // Walls of two triangles, long slanted beams, and small things between them.
 TestGeometry make_hall(Random& random) {
     TestGeometry hall = make_box(glm::vec3(-10.0f), glm::vec3(10.0f));
-    for (int i = 0; i < 60; ++i) {
-        const glm::vec3 a = random.in_cube(9.0f), along = random.direction() * 8.0f, across = 0.1f * random.direction();
-        hall.add(a, a + along, a + along + across);
-        hall.add(a, a + along + across, a + across);
+    for (int i = 0; i < 100; ++i) {
+        TestGeometry beam = make_box(glm::vec3(0.0f), glm::vec3(1.0f));
+        const glm::vec3 a = random.in_cube(9.0f), z = random.direction(), x = glm::normalize(glm::cross(z, random.direction())), y = glm::cross(z, x);
+        const glm::mat3 sides(0.1f * x, 0.1f * y, random.range(3.0f, 10.0f) * z);
+        for (glm::vec3& p : beam.positions) p = a + sides * p;
+        append(hall, beam);
     }
-    for (int i = 0; i < 20; ++i) append(hall, make_icosphere(2, random.range(0.1f, 0.5f), random.in_cube(9.0f)));
+    for (int i = 0; i < 60; ++i) append(hall, make_icosphere(2, random.range(0.1f, 0.5f), random.in_cube(9.0f)));
     return hall;
 }
 
@@ -164,7 +166,7 @@ TEST(BvhCollapse, no_other_collapse_of_a_binary_tree_costs_less) {
         for (const uint32_t width : {2u, 4u}) {
             BinaryTree tree = random_tree(random, 5 + random.below(8));
             const double expected = least_cost(tree, tree.root, width, true) / double(tree.box_of(tree.root).half_area());
-            const TreeStatistics statistics = measure(collapse(std::move(tree), width, 4, 30));
+            const TreeStatistics statistics = measure(collapse(std::move(tree), width, 4, 30, node_cost(width)));
             ASSERT_NEAR(statistics.cost, expected, 1e-5 * expected) << "tree " << i << ", width " << width;
             inner += statistics.nodes > 1;
         }
@@ -177,8 +179,8 @@ TEST(BvhTree, spatial_splits_pay_where_triangles_are_long_and_never_harm_much) {
     Random random(3);
     const TestGeometry hall = make_hall(random), room = make_room(random);
     for (const uint32_t width : {2u, 4u}) {
-        EXPECT_LT(build(hall, width, 0.3f).statistics.cost, 0.75 * build(hall, width, 0.0f).statistics.cost);
-        EXPECT_LT(build(room, width, 0.3f).statistics.cost, 1.02 * build(room, width, 0.0f).statistics.cost);
+        EXPECT_LT(build(hall, width, 0.3f).statistics.cost, 0.8 * build(hall, width, 0.0f).statistics.cost);
+        EXPECT_LT(build(room, width, 0.3f).statistics.cost, 1.1 * build(room, width, 0.0f).statistics.cost);
     }
 }
 
@@ -193,7 +195,7 @@ TEST(BvhTree, the_number_of_references_stays_within_its_budget) {
         before = references;
     }
     EXPECT_EQ(build(hall, 4, 0.0f).statistics.references, hall.triangles.size());
-    EXPECT_GT(double(before), 1.1 * double(hall.triangles.size()));
+    EXPECT_GT(double(before), 1.05 * double(hall.triangles.size()));
 }
 
 // Identical triangles can only be halved; then, and with one giant among many small ones, a tree is still near balance.
