@@ -122,7 +122,7 @@ TraceBenchReport run_trace_bench(const TraceBenchOptions& given, const gpu::Devi
     TraceBenchOptions options = given;
     const gpu::DeviceCaps& caps = device->caps();
     if (!options.size) options.size = caps.type == gpu::DeviceType::Cpu ? Size2{480, 270} : Size2{1920, 1080};
-    TraceBenchReport report{.device = caps.name, .driver = caps.driver, .size = *options.size, .outside = outside ? outside->name : ""};
+    TraceBenchReport report{.device = caps.name, .driver = caps.driver, .size = *options.size, .cpu = caps.type == gpu::DeviceType::Cpu, .scenes = {}, .outside = outside ? outside->name : ""};
     for (const std::string& name : options.scenes) {
         if (platform::interrupt_requested() != platform::Interrupt::None) break;
         report.scenes.push_back(measure_scene(name, options, device, outside));

@@ -38,6 +38,7 @@ struct TraceBenchScene {
 struct TraceBenchReport {
     std::string device, driver;
     Size2 size{};
+    bool cpu = false;  // rates are per core-second
     std::vector<TraceBenchScene> scenes;
     std::string outside;  // name; empty: none
 };
