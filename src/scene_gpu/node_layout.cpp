@@ -3,15 +3,9 @@
 
 namespace parhelion {
 
-// CPU devices like four children a node, which they test as one vector; GPUs two, whose loop needs the fewest registers.
 bvh::Layout choose_node_layout(const gpu::DeviceCaps& caps, NodeLayout choice) {
-    switch (choice) {
-        case NodeLayout::Binary: return bvh::Layout::Binary;
-        case NodeLayout::Four: return bvh::Layout::Four;
-        case NodeLayout::Compact: return bvh::Layout::Compact;
-        case NodeLayout::Auto: break;
-    }
-    return caps.type == gpu::DeviceType::Cpu ? bvh::Layout::Four : bvh::Layout::Binary;
+    if (choice == NodeLayout::Auto) choice = gpu::device_class(caps).layout;
+    return choice == NodeLayout::Binary ? bvh::Layout::Binary : choice == NodeLayout::Four ? bvh::Layout::Four : bvh::Layout::Compact;
 }
 
 }  // namespace parhelion

@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "frame/frame.h"
+#include "gpu/device_class.h"
 #include "scene/scene.h"
 
 namespace parhelion {
 
-// Layout of our own acceleration structure's nodes (shared/bvh.h). Auto: what is fastest on devices of this class.
-enum class NodeLayout : uint32_t { Auto, Binary, Four, Compact };
+using gpu::NodeLayout;
 
 struct SceneGpuOptions {
     bool culling = true;           // single-sided surfaces are invisible from behind; false shows them
