@@ -112,15 +112,64 @@ SHARED_FN BvhNode decode_compact(BvhNodeCompact node) {
     return out_node;
 }
 
-// ---- any layout ----
+// ---- reading ----
 
-SHARED_ARRAY_16(BvhNodes, BvhNode)
-SHARED_ARRAY_16(BvhNodesBinary, BvhNodeBinary)
-SHARED_ARRAY_16(BvhNodesCompact, BvhNodeCompact)
+// Memory as rows of 16 bytes, read in one of two ways: as vectors of four words, which GPUs load at once; or as pairs of 64-bit
+// words. CPU devices gather one component after the other, for all rays of a vector: half as many components, half the work.
+SHARED_ARRAY_16(BvhRows, uvec4)
+SHARED_ARRAY_16(BvhPairRows, u64vec2)
 
-SHARED_FN BvhNodeBinary fetch_binary(uint64_t nodes, uint index) { return BvhNodesBinary(row_address(nodes, index, 64u)).v[0]; }
-SHARED_FN BvhNode fetch_four(uint64_t nodes, uint index) { return BvhNodes(row_address(nodes, index, 112u)).v[0]; }
-SHARED_FN BvhNodeCompact fetch_compact(uint64_t nodes, uint index) { return BvhNodesCompact(row_address(nodes, index, 64u)).v[0]; }
+SHARED_FN uvec4 fetch_row(uint64_t address, uint row, bool in_pairs) {
+    if (!in_pairs) return BvhRows(address).v[row];
+    const u64vec2 pairs = BvhPairRows(address).v[row];
+    return uvec4(uint(pairs.x), uint(pairs.x >> 32), uint(pairs.y), uint(pairs.y >> 32));
+}
+
+SHARED_FN bool reads_pairs(uint layout_of_nodes) { return layout_of_nodes != kBvhBinary; }
+
+SHARED_FN vec4 to_floats(uvec4 row) { return vec4(uintBitsToFloat(row.x), uintBitsToFloat(row.y), uintBitsToFloat(row.z), uintBitsToFloat(row.w)); }
+SHARED_FN vec3 to_floats(uint x, uint y, uint z) { return vec3(uintBitsToFloat(x), uintBitsToFloat(y), uintBitsToFloat(z)); }
+
+SHARED_FN BvhNodeBinary fetch_binary(uint64_t nodes, uint index) {
+    const uint64_t address = row_address(nodes, index, 64u);
+    const uvec4 links = fetch_row(address, 3u, false);
+    BvhNodeBinary node;
+    node.x = to_floats(fetch_row(address, 0u, false));
+    node.y = to_floats(fetch_row(address, 1u, false));
+    node.z = to_floats(fetch_row(address, 2u, false));
+    node.child = uvec2(links.x, links.y);
+    node.pad = uvec2(0u, 0u);
+    return node;
+}
+
+SHARED_FN BvhNode fetch_four(uint64_t nodes, uint index) {
+    const uint64_t address = row_address(nodes, index, 112u);
+    BvhNode node;
+    node.min_x = to_floats(fetch_row(address, 0u, true));
+    node.max_x = to_floats(fetch_row(address, 1u, true));
+    node.min_y = to_floats(fetch_row(address, 2u, true));
+    node.max_y = to_floats(fetch_row(address, 3u, true));
+    node.min_z = to_floats(fetch_row(address, 4u, true));
+    node.max_z = to_floats(fetch_row(address, 5u, true));
+    node.child = fetch_row(address, 6u, true);
+    return node;
+}
+
+SHARED_FN BvhNodeCompact fetch_compact(uint64_t nodes, uint index) {
+    const uint64_t address = row_address(nodes, index, 64u);
+    const uvec4 first = fetch_row(address, 0u, true), second = fetch_row(address, 1u, true), third = fetch_row(address, 2u, true);
+    BvhNodeCompact node;
+    node.origin = to_floats(first.x, first.y, first.z);
+    node.min_x = first.w;
+    node.scale = to_floats(second.x, second.y, second.z);
+    node.max_x = second.w;
+    node.min_y = third.x;
+    node.max_y = third.y;
+    node.min_z = third.z;
+    node.max_z = third.w;
+    node.child = fetch_row(address, 3u, true);
+    return node;
+}
 
 // Node `index` of an array of nodes of a layout.
 SHARED_FN BvhNode fetch_node(uint64_t nodes, uint index, uint layout_of_nodes) {

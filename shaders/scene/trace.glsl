@@ -26,8 +26,12 @@ void invoke(uvec2 id);
 #if defined(TRACE_PIPELINE)
 void main() { invoke(gl_LaunchIDEXT.xy); }
 #else
-// A tile of 8x4 keeps the rays of a subgroup close together.
+// A tile of 8x4 keeps the rays of a subgroup close together; in Morton order, those of a subgroup of 8 or 16 too.
 layout(local_size_x = 8, local_size_y = 4) in;
-void main() { invoke(gl_GlobalInvocationID.xy); }
+void main() {
+    const uvec2 id = gl_GlobalInvocationID.xy, at = id & uvec2(7u, 3u);  // of the tile: by rows, as subgroups are made
+    const uvec2 in_order = uvec2((at.x & 1u) | (at.x >> 1 & 2u) | (at.y << 1 & 4u), (at.x >> 1 & 1u) | (at.y << 1 & 2u));
+    invoke((id - at) + in_order);
+}
 #endif
 #endif

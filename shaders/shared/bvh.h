@@ -11,17 +11,19 @@ SHARED_CONST uint kBvhLeaf = 0x80000000u;
 SHARED_CONST uint kBvhItemMask = 0x7FFFFFFFu;
 SHARED_CONST uint kBvhMaxLeaf = 4u;  // triangles in a leaf; a leaf of the top level holds one instance
 
-// The layouts of nodes. A device traces one of them; which, is constant 0 of its tracing programs.
+// The layouts of nodes. A device traces one of them; which, is constant 0 of its tracing programs, together with the loop.
 SHARED_CONST uint kBvhBinary = 0u;   // BvhNodeBinary
 SHARED_CONST uint kBvhFour = 1u;     // BvhNode
 SHARED_CONST uint kBvhCompact = 2u;  // BvhNodeCompact
+SHARED_CONST uint kBvhLayoutMask = 3u;
+SHARED_CONST uint kBvhRounds = 4u;   // the loop: see lib/traverse.glsl
 
 // The builder keeps every tree within this many levels of two-wide nodes, or half as many of four-wide ones. A traversal that goes
 // down one level leaves at most one sibling on its stack, or three, and it is in one top and one bottom level at once: a stack of
-// this size cannot overflow.
+// this size, with one entry for its end and one for the way back to the top level, cannot overflow.
 SHARED_CONST uint kBvhTopLevels = 24u;
 SHARED_CONST uint kBvhBottomLevels = 36u;
-SHARED_CONST uint kBvhStackSize = 3u * (kBvhTopLevels + kBvhBottomLevels) / 2u;
+SHARED_CONST uint kBvhStackSize = 3u * (kBvhTopLevels + kBvhBottomLevels) / 2u + 2u;
 
 // Four children, float boxes. Also what nodes of the other layouts are made from and read into (lib/bvh_nodes.glsl).
 struct BvhNode {
@@ -46,14 +48,12 @@ struct BvhNodeCompact {
     uvec4 child;
 };
 
-// 48 bytes, three aligned loads: object-space corners beside the ids.
+// 48 bytes. What every ray needs comes first; the ids are looked at where one hits.
 struct BvhTriangle {
-    vec3 p0;
-    uint geometry;   // of the mesh
-    vec3 p1;
-    uint primitive;  // of the geometry
-    vec3 p2;
-    uint rest;       // triangles of the same leaf that follow; 0 ends the leaf
+    vec3 p0, p1, p2;  // object space
+    uint rest;        // triangles of the same leaf that follow; 0 ends the leaf
+    uint geometry;    // of the mesh
+    uint primitive;   // of the geometry
 };
 
 // An instance in the top level. Has its own transform, so that the previous frame's top level stays traceable:

@@ -12,6 +12,7 @@
 #define SHARED_CONST constexpr
 namespace parhelion::shared {
 using glm::ivec2;
+using glm::u64vec2;
 using glm::uvec2;
 using glm::uvec3;
 using glm::uvec4;

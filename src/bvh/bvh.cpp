@@ -26,7 +26,7 @@ void read_triangles(std::span<const BottomGeometry> geometries, std::vector<shar
                 PARHELION_CHECK(std::max(index.x, std::max(index.y, index.z)) < geometry.positions.size(), "triangle {} has an index beyond {} vertices", t,
                                 geometry.positions.size());
                 const glm::vec3 p0 = geometry.positions[index.x], p1 = geometry.positions[index.y], p2 = geometry.positions[index.z];
-                triangles[first + t] = {.p0 = p0, .geometry = g, .p1 = p1, .primitive = static_cast<uint32_t>(t), .p2 = p2, .rest = 0};
+                triangles[first + t] = {.p0 = p0, .p1 = p1, .p2 = p2, .rest = 0, .geometry = g, .primitive = static_cast<uint32_t>(t)};
                 if (in_range(p0) && in_range(p1) && in_range(p2)) boxes[first + t].add(p0), boxes[first + t].add(p1), boxes[first + t].add(p2);
             }
         });
@@ -67,7 +67,7 @@ Box world_box(const shared::BvhNode& root, const glm::dmat3& linear, const glm::
 uint32_t add_bottom(Bottoms& bottoms, std::span<const BottomGeometry> geometries) {
     size_t count = 0;
     for (const BottomGeometry& geometry : geometries) count += geometry.triangles.size();
-    if (bottoms.triangles.size() + count > shared::kBvhItemMask || bottoms.nodes.size() + count > shared::kBvhItemMask)
+    if (bottoms.triangles.size() + count >= shared::kBvhItemMask || bottoms.nodes.size() + count >= shared::kBvhItemMask)  // two numbers are taken
         throw Error(ErrorCode::Failed, "the scene has more than 2^31 triangles", "own BVH", "trace by pipeline or query");
     std::vector<shared::BvhTriangle> triangles(count);
     std::vector<Box> boxes(count);

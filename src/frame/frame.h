@@ -45,7 +45,7 @@ struct SceneBinding {
     std::vector<gpu::Buffer> buffers;
     std::vector<gpu::Image> textures;
     std::vector<gpu::AccelStruct> accels;
-    uint32_t node_layout = 0;  // of our own acceleration structure: constant 0 of the programs that trace it
+    uint32_t bvh_variant = 0;  // layout of our own nodes and loop of their traversal: constant 0 of the programs that trace them
 };
 
 // A resource that outlives the frame: this frame's and last frame's instance.

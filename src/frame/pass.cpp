@@ -47,7 +47,7 @@ Pass& Pass::scene(const SceneBinding& scene) {
 }
 
 const gpu::Program& Pass::program() {
-    if (!program_) program_ = gpu::Program::get(frame_.device_, frame_.pack_, name_, variant_, ray_tracing_, scene_ ? scene_->node_layout : 0);
+    if (!program_) program_ = gpu::Program::get(frame_.device_, frame_.pack_, name_, variant_, ray_tracing_, scene_ ? scene_->bvh_variant : 0);
     return program_;
 }
 

@@ -16,7 +16,7 @@ struct DeviceClass {
     bool (*holds)(const DeviceCaps& caps);
     TraceWay way;       // what `--trace auto` takes
     NodeLayout layout;  // of our own structure; not Auto
-    bool measured;      // on such a device; otherwise what its makers say of it
+    bool walks_in_rounds;  // its traversal's loop: BvhLoop::Rounds, else Descend
 };
 
 // The first that holds is a device's class; the last holds for every device.

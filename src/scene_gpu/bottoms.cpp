@@ -65,7 +65,7 @@ void SceneGpu::State::build_own_bottoms(Frame& frame, Slice& slice) {
             mesh.own_triangle_count = mesh.own_host->triangles.size();
             mesh.own_nodes = bottom_nodes.take(frame, mesh.own_node_count);
             mesh.own_triangles = bottom_triangles.take(frame, mesh.own_triangle_count);
-            if (mesh.own_nodes + mesh.own_node_count > shared::kBvhItemMask || mesh.own_triangles + mesh.own_triangle_count > shared::kBvhItemMask)
+            if (mesh.own_nodes + mesh.own_node_count >= shared::kBvhItemMask || mesh.own_triangles + mesh.own_triangle_count >= shared::kBvhItemMask)
                 throw Error(ErrorCode::Failed, "the scene has more than 2^31 triangles", "own BVH", "trace by pipeline or query");
             mesh.own_root = mesh.own_host->nodes.read(mesh.own_host->roots.front());
         }

@@ -13,6 +13,8 @@
 namespace parhelion {
 
 using gpu::NodeLayout;
+// Loop of the traversal of our own structure (lib/traverse.glsl): rays wait for each other before leaves, or look at them in every round.
+enum class BvhLoop : uint32_t { Auto, Descend, Rounds };
 
 struct SceneGpuOptions {
     bool culling = true;           // single-sided surfaces are invisible from behind; false shows them
@@ -20,6 +22,7 @@ struct SceneGpuOptions {
     bool hardware = true;          // build the driver's acceleration structures (pipeline, query), where the device has them
     bool own_bvh = true;           // build our own (compute)
     NodeLayout node_layout = NodeLayout::Auto;
+    BvhLoop bvh_loop = BvhLoop::Auto;
     bool compact = true;           // give back what the driver's bottom levels do not need
     // What one update() records, about: what cannot be divided (a row of an image, a mesh's bottom level) is done whole.
     uint64_t slice_bytes = 64ull << 20;      // of uploads; also bounds the scratch memory of builds, at four times as much

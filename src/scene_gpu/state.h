@@ -84,6 +84,7 @@ struct EmissivePart {
 
 // The layout that is fastest on devices of this class, by measurement, or the one asked for.
 bvh::Layout choose_node_layout(const gpu::DeviceCaps& caps, NodeLayout choice);
+bool walks_in_rounds(const gpu::DeviceCaps& caps, BvhLoop choice);
 
 // Alias rows of non-negative weights. All-zero weights become equal ones: a table must return something.
 std::vector<shared::AliasEntry> make_alias_rows(std::span<const double> weights);

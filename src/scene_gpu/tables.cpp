@@ -94,7 +94,7 @@ void SceneGpu::State::write_header(Frame& frame) {
                .buffers = geometry_pool.buffers(),
                .textures = {},
                .accels = {},
-               .node_layout = static_cast<uint32_t>(layout)};
+               .bvh_variant = static_cast<uint32_t>(layout) | (walks_in_rounds(device->caps(), options.bvh_loop) ? shared::kBvhRounds : 0u)};
     for (const gpu::Buffer& buffer : {block, geometry_table, material_table, texture_table, instance_table, emitter_table, emitter_alias, triangle_alias, geometry_emitters,
                                       environment_alias, suns, sampler_tables, bsdf_tables, bottom_nodes.buffer(), bottom_triangles.buffer(), now.nodes, now.items, past.nodes, past.items})
         if (buffer) binding.buffers.push_back(buffer);

@@ -10,7 +10,7 @@ namespace parhelion {
 
 uint64_t hash_render(const Scene& scene, const ViewDesc& view, const RenderSettings& settings) {
     RenderSettings shown = settings;
-    shown.node_layout = NodeLayout::Auto;  // as --trace: does not belong to the picture
+    shown.node_layout = NodeLayout::Auto, shown.bvh_loop = BvhLoop::Auto;  // as --trace: do not belong to the picture
     Hasher hasher;
     hasher.add(hash_scene(scene))
         .add(hash_settings(shown))

@@ -183,7 +183,8 @@ void Job::set_up() {
                                                                      .infinite_share = settings_.infinite_share,
                                                                      .hardware = hardware,
                                                                      .own_bvh = !hardware,
-                                                                     .node_layout = node_layout_});
+                                                                     .node_layout = node_layout_,
+                                                                     .bvh_loop = settings_.bvh_loop});
     scene_gpu_->sync(loaded_.scene);
     if (!bring_in_scene()) return;
     const ViewDesc desc = describe_view();
@@ -213,6 +214,9 @@ bool Job::bring_in_scene() {
         report_.interrupt = platform::interrupt_requested();
         if (is_interrupted()) return false;
     }
+    report_.node_layout = scene_gpu_->stats().node_layout;
+    report_.own_bottom_bytes = scene_gpu_->stats().own_bottom_bytes;
+    report_.own_top_bytes = scene_gpu_->stats().own_top_bytes;
     report_.bottom_bytes_built = scene_gpu_->stats().bottom_bytes_built;
     report_.bottom_bytes = scene_gpu_->stats().bottom_bytes;
     return true;

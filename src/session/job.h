@@ -41,6 +41,8 @@ struct RenderReport {
     RayCounts rays;  // of this run, metering apart
     std::vector<gpu::MemoryUse> memory;
     uint64_t peak_host_bytes = 0, peak_device_bytes = 0;
+    std::string node_layout;  // of our own acceleration structure; empty: not made
+    uint64_t own_bottom_bytes = 0, own_top_bytes = 0;  // with its triangles and instances
     uint64_t bottom_bytes_built = 0, bottom_bytes = 0;  // the driver's bottom levels before and after compaction
     platform::Interrupt interrupt = platform::Interrupt::None;
     bool out_of_time = false;

@@ -76,6 +76,7 @@ Json report_json(const RenderReport& report) {
             {"mega_samples_per_s", report.mega_samples_per_second()},
             {"passes", passes},
             {"memory", memory},
+            {"own_bvh", {{"nodes", report.node_layout}, {"bottom_bytes", report.own_bottom_bytes}, {"top_bytes", report.own_top_bytes}}},
             {"bottom_levels", {{"bytes_built", report.bottom_bytes_built}, {"bytes", report.bottom_bytes}}},
             {"peak_host_bytes", report.peak_host_bytes},
             {"peak_device_bytes", report.peak_device_bytes},

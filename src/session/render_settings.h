@@ -17,6 +17,7 @@ struct RenderSettings {
     ShadeIn shade_in = ShadeIn::Raygen;
     Culling culling = Culling::Gltf;
     NodeLayout node_layout = NodeLayout::Auto;
+    BvhLoop bvh_loop = BvhLoop::Auto;
     float infinite_share = 0.5f;
     float sun_elevation = 40.0f, sun_azimuth = 45.0f;  // degrees
     TextureLod texture_lod = TextureLod::Full;
@@ -39,6 +40,8 @@ void visit(V&& v, RenderSettings& s) {
             "share of light samples for sky and directional lights where other lights exist too");
     v.field("trace.bvh", s.node_layout, choices({"auto", "binary", "four", "compact"}),
             "nodes of our own acceleration structure; auto: the fastest for devices of this class");
+    v.field("trace.bvh_loop", s.bvh_loop, choices({"auto", "descend", "rounds"}),
+            "loop over them: rays wait for each other before leaves, or look at leaves in every round");
     v.field("texture.lod", s.texture_lod, choices({"full", "cone"}),
             "how finely textures are read: full resolution, or as finely as a pixel sees them (ray cones)");
     v.field("bsdf.energy_compensation", s.energy_compensation, choices({"off", "on"}),

@@ -73,6 +73,9 @@ std::string device_text(const gpu::DeviceCaps& caps, bool best) {
         fmt::format("{}  {}{}\n     {}, Vulkan {}, {}\n     memory {:.1f} GiB, traces by {}\n", caps.index, escape_name(caps.name),
                     best ? "  (chosen by default)" : "", type_name(caps.type), vulkan_version(caps.api_version), escape_name(caps.driver),
                     static_cast<double>(caps.memory_bytes) / (1 << 30), ways);
+    const TraceDecision decision = decide_trace(caps, TraceChoice::Auto, gpu::NodeLayout::Auto);
+    out += fmt::format("     --trace auto takes {} ({})\n", trace_way_name(decision.way),
+                       decision.source == "table" ? fmt::format("device class: {}", gpu::device_class(caps).name) : "measured here");
     for (const std::string& missing : caps.missing) out += fmt::format("     lacks {}\n", missing);
     return out;
 }

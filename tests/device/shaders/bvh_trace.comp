@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "lib/traverse.glsl"
 
-layout(constant_id = 0) const uint kBvhLayout = kBvhFour;
+layout(constant_id = 0) const uint kBvhVariant = kBvhFour;
 layout(local_size_x = 8, local_size_y = 4) in;
 layout(buffer_reference, scalar) readonly buffer Rays { TraversalRay v[]; };
 layout(buffer_reference, scalar) writeonly buffer Hits { TraversalHit v[]; };
@@ -24,7 +24,7 @@ void main() {
     const uint i = gl_GlobalInvocationID.y * width + gl_GlobalInvocationID.x;
     const TraversalRay ray = rays.v[i];
     TraversalHit hit;
-    if (any != 0u ? !traverse_any(bvh, kBvhLayout, ray) : !traverse_closest(bvh, kBvhLayout, ray, hit)) hit = TraversalHit(0u, 0u, 0u, vec2(0.0), -1.0);
+    if (any != 0u ? !traverse_any(bvh, kBvhVariant, ray) : !traverse_closest(bvh, kBvhVariant, ray, hit)) hit = TraversalHit(0u, 0u, 0u, vec2(0.0), -1.0);
     else if (any != 0u) hit = TraversalHit(0u, 0u, 0u, vec2(0.0), 1.0);
     hits.v[i] = hit;
 }

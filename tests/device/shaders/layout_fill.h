@@ -90,7 +90,7 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(DumpedRay) v) { F(origin_
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhNode) v) { F(min_x) F(max_x) F(min_y) F(max_y) F(min_z) F(max_z) F(child) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhNodeBinary) v) { F(x) F(y) F(z) F(child) F(pad) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhNodeCompact) v) { F(origin) F(min_x) F(scale) F(max_x) F(min_y) F(max_y) F(min_z) F(max_z) F(child) }
-SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhTriangle) v) { F(p0) F(geometry) F(p1) F(primitive) F(p2) F(rest) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhTriangle) v) { F(p0) F(p1) F(p2) F(rest) F(geometry) F(primitive) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhTopItem) v) { F(row0) F(instance) F(row1) F(root) F(row2) F(mask) F(origin_ws) F(pad) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhAddresses) v) { F(top_nodes) F(top_items) F(bottom_nodes) F(bottom_triangles) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(TraversalRay) v) { F(origin_ws) F(t_min) F(direction_ws) F(t_max) F(mask) F(alpha_key) }
