@@ -149,7 +149,6 @@ void Job::open_device() {
     report_.device = device_->caps().name;
     report_.driver = device_->caps().driver;
     report_.trace = trace_way_name(way_);
-    if (way_ == gpu::TraceWay::Compute) report_.node_layout = gpu::node_layout_name(node_layout_);
     report_.shade_in_hit = settings_.shade_in == ShadeIn::ClosestHit;
     log(LogLevel::Info, "device {} ({}), traces by {}", escape_name(report_.device), escape_name(report_.driver), report_.trace);
 }

@@ -48,7 +48,6 @@ Json report_json(const RenderReport& report) {
             {"driver", report.driver},
             {"trace", report.trace},
             {"trace_source", report.trace_source},
-            {"node_layout", report.node_layout},
             {"shade_in", report.shade_in_hit ? "closest_hit" : "raygen"},
             {"scene", report.scene},
             {"camera", report.camera},

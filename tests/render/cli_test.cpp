@@ -11,8 +11,8 @@
 
 #include "base/error.h"
 #include "base/file.h"
-#include "support/gpu_fixture.h"
 #include "session/trace_choice.h"
+#include "support/gpu_fixture.h"
 #include "support/process.h"
 
 namespace parhelion::testing {
@@ -445,7 +445,7 @@ TEST_F(CliRender, what_was_measured_decides_auto_and_is_named_in_the_json) {
     nlohmann::json json = run_parhelion(render).json();
     EXPECT_EQ(json["trace"], "compute");
     EXPECT_EQ(json["trace_source"], "measured");
-    EXPECT_EQ(json["node_layout"], "four");
+    EXPECT_EQ(json["own_bvh"]["nodes"], "four");
     if (caps.ray_query) {
         store_measured_trace(caps, {{{"four", 2.0}, {"query", 3.0}}});
         json = run_parhelion(render).json();
