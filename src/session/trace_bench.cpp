@@ -135,7 +135,7 @@ void check_agreement(const TraceBenchReport& report) {
     for (const TraceBenchScene& scene : report.scenes)
         for (const RayRates& kind : scene.kinds)
             for (const TracerRate& tracer : kind.tracers)
-                if (tracer.agreement < kTraceAgreement)
+                if (const double share = 1 - (tracer.name.empty() ? kOutsideAgreement : kTraceAgreement); (1 - tracer.agreement) * double(kind.rays) > std::max(2.5, share * double(kind.rays) + 0.5))
                     throw Error(ErrorCode::Failed,
                                 fmt::format("{} and {} differ on {:.4f} % of the {} rays", tracer.name.empty() ? report.outside : tracer.name, kind.tracers.front().name,
                                             (1 - tracer.agreement) * 100, ray_kind_name(kind.kind)),

@@ -91,12 +91,18 @@ std::optional<MeasuredTrace> read_measured_trace(const gpu::DeviceCaps& caps) {
     const std::filesystem::path file = measured_trace_file(caps);
     std::error_code ignored;
     if (!std::filesystem::exists(file, ignored)) return std::nullopt;
+    std::string flaw;
     try {
         return parse(caps, read_text_file(file, kMaxBytes));
+    } catch (const nlohmann::json::exception&) {
+        flaw = "it is not what devices --measure writes";
+    } catch (const Error& error) {
+        flaw = "it " + error.problem;
     } catch (const std::exception& error) {
-        log(LogLevel::Warn, "{}: cannot be used, {}: tracing as for devices of this class (parhelion devices --measure writes it anew)", escape_name(file.string()), error.what());
-        return std::nullopt;
+        flaw = error.what();
     }
+    log(LogLevel::Warn, "{}: {}; tracing as for devices of this class (parhelion devices --measure writes it anew)", escape_name(file.string()), flaw);
+    return std::nullopt;
 }
 
 void store_measured_trace(const gpu::DeviceCaps& caps, const MeasuredTrace& measured) {

@@ -143,7 +143,7 @@ TEST(TraceBench, hits_agree_by_triangle_or_by_distance_within_some_roundings) {
 
 TraceBenchReport report_with(double agreement) {
     RayRates rates;
-    rates.rays = 1000;
+    rates.rays = 1'000'000;
     rates.tracers = {{"pipeline", 2.0, 1.0}, {"compute", 5.0, agreement}, {"", 10.0, 1.0}};
     return {.device = "a device", .driver = "a driver", .size = {20, 50}, .cpu = true, .scenes = {{"room-s", 10, 1, {rates}}}, .outside = "Embree"};
 }
