@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 
 #include "base/error.h"
 
@@ -62,10 +63,12 @@ const gpu::Buffer& RayBench::rays_of(RayKind kind) const {
     return kind == RayKind::Primary ? rays_.primary : kind == RayKind::Diffuse ? rays_.diffuse : rays_.shadow;
 }
 
-// Seconds of the pass.
+// Seconds of the pass, or core-seconds.
 double RayBench::trace(const Tracer& tracer, RayKind kind) {
+    const std::clock_t begin = std::clock();
     passes::trace_bench_rays(frame_, *tracer.scene, tracer.way, rays_of(kind), kind == RayKind::Shadow, hits_, rays_.width, rays_.height);
     frame_.run();
+    if (device_->caps().type == gpu::DeviceType::Cpu) return double(std::clock() - begin) / CLOCKS_PER_SEC;
     for (const PassInfo& pass : frame_.passes())
         if (pass.name == "bench/trace_rays") return pass.gpu_ms * 1e-3;
     throw Error(ErrorCode::Failed, "the pass has no time", "bench/trace_rays");

@@ -24,12 +24,12 @@ struct Tracer {
 };
 
 // What a tracer outside this program makes of the same rays: one number a ray, of closest hits the distance or infinity, of shadow
-// rays 0 where something is in the way, else infinity. Returns the seconds that tracing took.
+// rays 0 where something is in the way, else infinity. Returns the core-seconds that tracing took.
 using TraceOutside = std::function<double(std::span<const shared::DumpedRay> rays, bool any_hit, std::span<float> distances)>;
 
 struct TracerRate {
     std::string name;
-    double mrays_per_s = 0;
+    double mrays_per_s = 0;  // millions a second; on a CPU device, and outside, a core-second
     double agreement = 1;  // share of the rays for which it says what the first tracer says
 };
 
@@ -42,7 +42,8 @@ struct RayRates {
 // The rays of one scene, made once.
 class RayBench {
 public:
-    // Makes the rays by this tracer. `box`: where shadow rays end. Needs GPU timestamps: throws MissingFeature.
+    // Makes the rays by this tracer. `box`: where shadow rays end. Needs GPU timestamps: throws MissingFeature. A CPU device's rates
+    // are counted in the processor time that this process used: what else the machine does counts little.
     RayBench(gpu::DevicePtr device, const Tracer& maker, const shared::Camera& camera, const Bounds& box, uint32_t width, uint32_t height);
 
     // Each tracer once to warm up (pipelines compile at the first dispatch), then all in turn, several times; the median counts.

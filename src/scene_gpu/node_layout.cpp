@@ -3,21 +3,14 @@
 
 namespace parhelion {
 
-// A CPU device gathers what a vector of rays reads word by word: the smallest nodes are the fastest. GPUs are fastest with four float
-// boxes a node (docs/performance.md).
 bvh::Layout choose_node_layout(const gpu::DeviceCaps& caps, NodeLayout choice) {
-    switch (choice) {
-        case NodeLayout::Binary: return bvh::Layout::Binary;
-        case NodeLayout::Four: return bvh::Layout::Four;
-        case NodeLayout::Compact: return bvh::Layout::Compact;
-        case NodeLayout::Auto: break;
-    }
-    return caps.type == gpu::DeviceType::Cpu ? bvh::Layout::Compact : bvh::Layout::Four;
+    if (choice == NodeLayout::Auto) choice = gpu::device_class(caps).layout;
+    return choice == NodeLayout::Binary ? bvh::Layout::Binary : choice == NodeLayout::Four ? bvh::Layout::Four : bvh::Layout::Compact;
 }
 
 uint32_t traversal_variant(const gpu::DeviceCaps& caps, bvh::Layout layout, BvhLoop choice, bool plain) {
     constexpr uint32_t kNvidia = 0x10DE;
-    const bool cpu = caps.type == gpu::DeviceType::Cpu, rounds = choice == BvhLoop::Auto ? !cpu : choice == BvhLoop::Rounds;
+    const bool cpu = caps.type == gpu::DeviceType::Cpu, rounds = choice == BvhLoop::Auto ? gpu::device_class(caps).walks_in_rounds : choice == BvhLoop::Rounds;
     return static_cast<uint32_t>(layout) | (rounds ? shared::kBvhRounds : 0u) | (cpu ? shared::kBvhPairs : 0u) | (caps.vendor_id == kNvidia ? shared::kBvhFused : 0u) |
            (plain ? shared::kBvhPlain : 0u);
 }

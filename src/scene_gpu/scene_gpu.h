@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "frame/frame.h"
+#include "gpu/device_class.h"
 #include "scene/scene.h"
 
 namespace parhelion {
 
-// Layout of our own acceleration structure's nodes (shared/bvh.h). Auto: what is fastest on devices of this class.
-enum class NodeLayout : uint32_t { Auto, Binary, Four, Compact };
-// Loop of its traversal (lib/traverse.glsl): rays wait for each other before leaves, or look at them in every round.
+using gpu::NodeLayout;
+// Loop of the traversal of our own structure (lib/traverse.glsl): rays wait for each other before leaves, or look at them in every round.
 enum class BvhLoop : uint32_t { Auto, Descend, Rounds };
 
 struct SceneGpuOptions {

@@ -17,6 +17,7 @@
 #include "session/render_settings.h"
 #include "session/scene_setup.h"
 #include "session/slicer.h"
+#include "session/trace_choice.h"
 
 namespace parhelion {
 
@@ -115,6 +116,7 @@ private:
     LoadedScene loaded_;
     MovingCamera camera_;
     gpu::TraceWay way_ = gpu::TraceWay::Compute;
+    NodeLayout node_layout_ = NodeLayout::Auto;
     std::unique_ptr<SceneGpu> scene_gpu_;
     std::unique_ptr<Frame> frame_;
     std::unique_ptr<View> view_;
@@ -139,7 +141,10 @@ void Job::load() {
 
 void Job::open_device() {
     if (!device_) device_ = gpu::Device::open({.selector = options_.device, .validate = options_.validate});
-    way_ = choose_trace_way(device_->caps(), options_.trace);
+    const TraceDecision decision = decide_trace(device_->caps(), options_.trace, settings_.node_layout);
+    way_ = decision.way;
+    node_layout_ = decision.layout;
+    report_.trace_source = decision.source;
     check_way(way_ == gpu::TraceWay::Pipeline);
     report_.device = device_->caps().name;
     report_.driver = device_->caps().driver;
@@ -177,7 +182,7 @@ void Job::set_up() {
                                                                      .infinite_share = settings_.infinite_share,
                                                                      .hardware = hardware,
                                                                      .own_bvh = !hardware,
-                                                                     .node_layout = settings_.node_layout,
+                                                                     .node_layout = node_layout_,
                                                                      .bvh_loop = settings_.bvh_loop});
     scene_gpu_->sync(loaded_.scene);
     if (!bring_in_scene()) return;

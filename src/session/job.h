@@ -24,6 +24,7 @@ struct PassTime {
 
 struct RenderReport {
     std::string renderer = "reference", device, driver, trace, scene, camera;
+    std::string trace_source;  // who chose the way: option, measured, table
     bool shade_in_hit = false;  // reference.shade_in=closest_hit
     uint64_t triangles = 0, instances = 0, lights = 0;
     Size2 size;

@@ -47,6 +47,7 @@ Json report_json(const RenderReport& report) {
             {"device", report.device},
             {"driver", report.driver},
             {"trace", report.trace},
+            {"trace_source", report.trace_source},
             {"shade_in", report.shade_in_hit ? "closest_hit" : "raygen"},
             {"scene", report.scene},
             {"camera", report.camera},

@@ -160,7 +160,7 @@ const OptionSpec kOptions[] = {
     {.name = "--require", .section = "Options", .commands = kDevices, .help = "say what Parhelion needs of a device, and exit "
     "with 3 unless one has it all; the list says what each lacks"},
     {.name = "--measure", .section = "Options", .commands = kDevices,
-     .help = "time every way to trace on the built-in Cornell box; `auto` itself never measures"},
+     .help = "measure every way to trace on each device, and keep what is fastest for --trace auto, which itself never measures"},
 
     // bench
     {.name = "--scene", .section = "What runs", .commands = kBench, .kind = ValueKind::Text, .value = "SCENE",
@@ -209,8 +209,11 @@ const CommandSpec kCommands[] = {
      "The result is identical, bit for bit, to the picture that one run with all samples writes. Parts may be given in any order. "
      "Parts that overlap, leave a gap or were made with different settings are refused.",
      {"parhelion merge part0.exr part1.exr --out whole.exr --out whole.png"}},
-    {Command::Devices, "devices", "", 0, 0, "list the Vulkan devices and what each can do", "",
-     {"parhelion devices", "parhelion devices --require", "parhelion devices --json"}},
+    {Command::Devices, "devices", "", 0, 0, "list the Vulkan devices and what each can do",
+     "--trace auto takes what a table of device classes says, unless --measure has measured this device with this driver. What it found lies in "
+     "the cache folder (PARHELION_CACHE_DIR, trace/*.json); remove the file and the table counts again. A picture depends on it only through "
+     "the way to trace, which the JSON of render names with its source (option, measured, table).",
+     {"parhelion devices", "parhelion devices --measure", "parhelion devices --require", "parhelion devices --json"}},
     {Command::Info, "info", "SCENE", 1, 1, "say what is in a scene", "",
      {"parhelion info scene.glb", "parhelion info builtin:cornell --json"}},
     {Command::Export, "export", "SCENE", 1, 1, "write a scene as glTF 2.0",
@@ -250,7 +253,7 @@ constexpr NamedHelp kExitCodes[] = {
 constexpr NamedHelp kEnvironment[] = {
     {"PARHELION_DEVICE", "device, as --device"},
     {"PARHELION_LOG", "trace, debug, info (default), warn, error or off"},
-    {"PARHELION_CACHE_DIR", "folder of the pipeline caches (default: the user's cache folder)"},
+    {"PARHELION_CACHE_DIR", "folder of the pipeline caches and of what devices --measure found (default: the user's cache folder)"},
     {"NO_COLOR", "no colours on the terminal"},
     {"PARHELION_MASK", "for tests: ways to trace that devices are taken not to have: pipeline, query or pipeline,query"},
     {"PARHELION_SHADER_DIR", "for tests: a folder with a shaders.pack that replaces the embedded one"},

@@ -95,8 +95,7 @@ shared::Camera shader_camera(const CameraView& view, float aspect) {
 }
 
 gpu::TraceWay choose_trace_way(const gpu::DeviceCaps& caps, TraceChoice choice) {
-    if (choice == TraceChoice::Auto)
-        return caps.type != gpu::DeviceType::Cpu && caps.ray_query ? gpu::TraceWay::Query : gpu::TraceWay::Compute;
+    if (choice == TraceChoice::Auto) return gpu::device_class(caps).way;
     const gpu::TraceWay way = choice == TraceChoice::Pipeline ? gpu::TraceWay::Pipeline
                               : choice == TraceChoice::Query  ? gpu::TraceWay::Query
                                                               : gpu::TraceWay::Compute;

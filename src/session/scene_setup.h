@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "gpu/device.h"
+#include "gpu/device_class.h"
 #include "renderers/view.h"
 #include "scene/camera.h"
 #include "scene/sky.h"
@@ -24,7 +24,7 @@ void apply_fov(CameraView& view, const RenderOptions& options);
 CameraView choose_camera(const Scene& scene, const RenderOptions& options, std::string& description);
 shared::Camera shader_camera(const CameraView& view, float aspect);
 
-// `auto` is a table per kind of device (research: our own traversal wins on the CPU driver and on GPUs without ray tracing units).
+// `auto` is the table of device classes (gpu/device_class.h); decide_trace() also knows what was measured.
 // Throws MissingFeature if the device lacks a way that was asked for.
 gpu::TraceWay choose_trace_way(const gpu::DeviceCaps& caps, TraceChoice choice);
 

@@ -54,7 +54,8 @@ std::string ratio_text(const TracerRate* ours, const TracerRate* theirs) {
 std::string trace_bench_table(const TraceBenchReport& report) {
     const std::vector<std::string> names = columns(report);
     const std::vector<Ratio> quotients = ratios(report, names);
-    std::string out = fmt::format("{}, {}x{} rays of each kind, millions of rays a second\n{:<20} {:<8}", escape_name(report.device), report.size.width, report.size.height, "scene", "rays");
+    std::string out = fmt::format("{}, {}x{} rays of each kind, millions of rays a {}\n{:<20} {:<8}", escape_name(report.device), report.size.width, report.size.height,
+                                  report.cpu ? "core-second" : "second", "scene", "rays");
     for (const std::string& name : names) out += fmt::format(" {:>9}", name);
     for (const Ratio& ratio : quotients) out += fmt::format(" {:>17}", ratio.ours + "/" + ratio.theirs);
     out += "    differ\n";
@@ -67,7 +68,7 @@ std::string trace_bench_table(const TraceBenchReport& report) {
             for (const Ratio& ratio : quotients) out += fmt::format(" {:>17}", ratio_text(find(report, kind, ratio.ours), find(report, kind, ratio.theirs)));
             out += fmt::format(" {:>7.4f} %\n", (1 - worst) * 100);
         }
-    if (report.outside.empty()) out += "Embree beside them: parhelion-bench-embree, which is built where libembree-dev is installed.\n";
+    if (report.outside.empty()) out += "Embree is not measured: parhelion-bench-embree does it (built with -DPARHELION_EMBREE=ON, needs libembree-dev).\n";
     return out;
 }
 
@@ -86,7 +87,7 @@ Json trace_bench_json(const TraceBenchReport& report) {
                             {"hits", kind.hits},
                             {"tracers", tracers}});
         }
-    return {{"device", report.device}, {"driver", report.driver}, {"size", {report.size.width, report.size.height}}, {"rates", rows}};
+    return {{"device", report.device}, {"driver", report.driver}, {"size", {report.size.width, report.size.height}}, {"per", report.cpu ? "core-second" : "second"}, {"rates", rows}};
 }
 
 }  // namespace parhelion

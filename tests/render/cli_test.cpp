@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "session/trace_choice.h"
 #include "support/gpu_fixture.h"
 #include "support/process.h"
 
@@ -448,6 +449,44 @@ TEST_F(CliRender, the_bench_of_the_reference_shades_in_both_places) {
         EXPECT_EQ(cases[scene + " pipeline raygen"], pipeline);
         EXPECT_EQ(cases[scene + " pipeline closest_hit"], pipeline);
     }
+}
+
+TEST_F(CliRender, the_bench_of_tracing_holds_every_way_against_the_others_on_the_same_rays) {
+    const ProcessResult result = run_parhelion({"bench", "trace", "--scene", "room-s", "--scene", "room-s-instanced", "--size", "40x24", "--json", "-"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const nlohmann::json all = result.json();
+    ASSERT_EQ(all["rates"].size(), 6u);
+    const auto& caps = shared_device()->caps();
+    for (const auto& row : all["rates"]) {
+        EXPECT_EQ(row["rays"], 40 * 24);
+        // A closed room: what looks or bounces meets something; some of the random points are seen, and some are not.
+        if (row["kind"] != "shadow") EXPECT_EQ(row["hits"], 40 * 24);
+        else EXPECT_TRUE(row["hits"] > 48 && row["hits"] < 40 * 24 - 48) << row["hits"];
+        EXPECT_EQ(row["tracers"].size(), 1u + caps.ray_pipeline + caps.ray_query);
+        for (const auto& tracer : row["tracers"]) EXPECT_GT(tracer["mrays_per_s"], 0.0);
+    }
+    const ProcessResult wrong = run_parhelion({"bench", "trace", "--spp", "4"});
+    EXPECT_EQ(wrong.exit_code, 2);
+    EXPECT_NE(wrong.err.find("--spp"), std::string::npos) << wrong.err;
+}
+
+TEST_F(CliRender, what_was_measured_decides_auto_and_is_named_in_the_json) {
+    setenv("PARHELION_CACHE_DIR", file("cache").c_str(), 1);
+    const Words render{"render", "builtin:furnace", "--size", "8x8", "--spp", "1", "--exposure", "0", "--json", "-"};
+    EXPECT_EQ(run_parhelion(render).json()["trace_source"], "table");
+    const gpu::DeviceCaps& caps = shared_device()->caps();
+    store_measured_trace(caps, {{{"four", 2.0}, {"compact", 1.0}}});
+    nlohmann::json json = run_parhelion(render).json();
+    EXPECT_EQ(json["trace"], "compute");
+    EXPECT_EQ(json["trace_source"], "measured");
+    EXPECT_EQ(json["own_bvh"]["nodes"], "four");
+    if (caps.ray_query) {
+        store_measured_trace(caps, {{{"four", 2.0}, {"query", 3.0}}});
+        json = run_parhelion(render).json();
+        EXPECT_EQ(json["trace"], "query");
+        EXPECT_EQ(run_parhelion(render + Words{"--trace", "compute"}).json()["trace_source"], "option");
+    }
+    unsetenv("PARHELION_CACHE_DIR");
 }
 
 TEST_F(CliRender, a_bench_run_prints_a_table_and_compares_with_its_own_json) {

@@ -265,7 +265,9 @@ TEST_P(Refits, hold_their_triangles_after_every_deformation) {
         // Where a ray meets a triangle without width is decided by roundings, and whether a tree asks for it by where that is.
         EXPECT_LE(other, name == std::string("a line") ? 6 : 0);
         // Far from the origin a rounding of the ray is as large as a triangle; else it shows at edges only.
-        if (name != std::string("far away")) EXPECT_LE(count_other_than_brute_force(stage.scene, rays, found), 6);
+        if (name != std::string("far away")) {
+            EXPECT_LE(count_other_than_brute_force(stage.scene, rays, found), 6);
+        }
     }
     EXPECT_GT(hits, 1800);
 }
@@ -279,7 +281,9 @@ TEST_P(Refits, of_many_frames_need_no_more_memory_than_those_of_three) {
         stage.step(bodies.pose(stage.scene, wave(random), false));
         const DeviceTrees trees(stage, GetParam());
         if (frame == 2) bytes = trees.nodes.bytes() + trees.triangles.size();
-        if (frame > 2) EXPECT_EQ(trees.nodes.bytes() + trees.triangles.size(), bytes) << frame;
+        if (frame > 2) {
+            EXPECT_EQ(trees.nodes.bytes() + trees.triangles.size(), bytes) << frame;
+        }
         if (frame % 4 == 3) check_trees(stage, trees);
     }
 }
@@ -428,9 +432,10 @@ TEST_F(DeformedMeshes, may_change_their_material) {
     SceneEdit edit;
     edit.set_material(handle, masked);
     stage.step(std::move(edit));
-    for (const gpu::TraceWay way : kWays)
-        if (device()->caps().supports(way))
-            for (const TestFound& found : trace_rays(stage, way, make_rays(random, stage.scene, 50))) EXPECT_FALSE(found.hit()) << gpu::trace_way_name(way);
+    for (const gpu::TraceWay way : kWays) {
+        if (!device()->caps().supports(way)) continue;
+        for (const TestFound& found : trace_rays(stage, way, make_rays(random, stage.scene, 50))) EXPECT_FALSE(found.hit()) << gpu::trace_way_name(way);
+    }
 }
 
 TEST_F(DeformedMeshes, are_told_by_a_bit_of_the_hit) {

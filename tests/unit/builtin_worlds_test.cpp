@@ -118,6 +118,36 @@ TEST(BuiltinWorlds, geometry_is_sound) {
     }
 }
 
+TEST(BuiltinWorlds, the_rooms_have_the_triangles_of_their_size_flat_and_instanced_alike) {
+    struct Size {
+        uint64_t asked, triangles;
+        size_t instances;
+    };
+    for (const Size& size : {Size{0, 10'368, 25}, Size{249'600, 249'600, 97}, Size{300'000, 249'600, 97}}) {
+        const LoadedScene flat = make_builtin("builtin:room", {.triangles = size.asked}), instanced = make_builtin("builtin:room-instanced", {.triangles = size.asked});
+        const SceneInfo a = describe(flat), b = describe(instanced);
+        EXPECT_EQ(a.instances, 1u);
+        EXPECT_EQ(b.instances, size.instances);
+        EXPECT_EQ(flat.scene.get((*flat.scene.instances().begin()).value.mesh).triangle_count, size.triangles);
+        uint64_t triangles = 0;
+        double volume = 0;
+        for (const auto& [handle, instance] : instanced.scene.instances()) {
+            const Mesh& mesh = instanced.scene.get(instance.mesh);
+            triangles += mesh.triangle_count;
+            volume += signed_volume(mesh.primitives[0]) * double(glm::determinant(glm::mat3(instance.place.world_from_object)));
+        }
+        EXPECT_EQ(triangles, size.triangles);
+        const Primitive& all = flat.scene.get((*flat.scene.instances().begin()).value.mesh).primitives[0];
+        EXPECT_TRUE(closed(all));
+        // The same spheres stand in both, and no sphere reaches through a wall: what is left of the room is neither empty nor all of it.
+        EXPECT_NEAR(signed_volume(all), volume, 1e-3);
+        EXPECT_EQ(a.bounds.min, glm::vec3(-5, 0, -5));
+        EXPECT_EQ(a.bounds.max, glm::vec3(5, 6, 5));
+        EXPECT_GT(volume, -600.0);
+        EXPECT_LT(volume, -500.0);
+    }
+}
+
 TEST(BuiltinWorlds, the_number_of_threads_does_not_show) {
     for (const char* name : {"builtin:forest", "builtin:diorama"}) {
         uint64_t one = 0;

@@ -7,8 +7,8 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "gpu/device.h"
-#include "session/bench.h"
 #include "session/results.h"
+#include "session/trace_choice.h"
 
 namespace parhelion::cli {
 
@@ -36,6 +36,11 @@ std::string_view type_name(gpu::DeviceType type) {
 
 std::string vulkan_version(uint32_t packed) { return fmt::format("{}.{}.{}", packed >> 22 & 0x7F, packed >> 12 & 0x3FF, packed & 0xFFF); }
 
+Json automatic_json(const gpu::DeviceCaps& caps) {
+    const TraceDecision decision = decide_trace(caps, TraceChoice::Auto, gpu::NodeLayout::Auto);
+    return {{"trace", trace_way_name(decision.way)}, {"node_layout", node_layout_name(decision.layout)}, {"source", decision.source}};
+}
+
 Json device_json(const gpu::DeviceCaps& caps, bool best) {
     Json ways = Json::array();
     for (const gpu::TraceWay way : kWays)
@@ -50,6 +55,8 @@ Json device_json(const gpu::DeviceCaps& caps, bool best) {
             {"usable", caps.usable()},
             {"missing", caps.missing},
             {"trace", ways},
+            {"class", gpu::device_class(caps).name},
+            {"auto", automatic_json(caps)},
             {"shader_float64", caps.shader_float64},
             {"subgroup_size", caps.subgroup_size},
             {"max_textures", caps.max_bindless_textures},
@@ -66,30 +73,33 @@ std::string device_text(const gpu::DeviceCaps& caps, bool best) {
         fmt::format("{}  {}{}\n     {}, Vulkan {}, {}\n     memory {:.1f} GiB, traces by {}\n", caps.index, escape_name(caps.name),
                     best ? "  (chosen by default)" : "", type_name(caps.type), vulkan_version(caps.api_version), escape_name(caps.driver),
                     static_cast<double>(caps.memory_bytes) / (1 << 30), ways);
+    const TraceDecision decision = decide_trace(caps, TraceChoice::Auto, gpu::NodeLayout::Auto);
+    out += fmt::format("     --trace auto takes {} ({})\n", trace_way_name(decision.way),
+                       decision.source == "table" ? fmt::format("device class: {}", gpu::device_class(caps).name) : "measured here");
     for (const std::string& missing : caps.missing) out += fmt::format("     lacks {}\n", missing);
     return out;
 }
 
-struct Measured {
-    gpu::TraceWay way;
-    double mega_rays_per_second;
-};
-
-// Every way to trace that the device has, on the built-in Cornell box.
-std::vector<Measured> measure(const gpu::DeviceCaps& caps) {
+// Measures every way to trace and keeps the result for `--trace auto`.
+MeasuredTrace measure(const gpu::DeviceCaps& caps) {
     log(LogLevel::Info, "measuring {}", escape_name(caps.name));
-    const LogLevel level = log_level();
-    if (level == LogLevel::Info) set_log_level(LogLevel::Warn);  // the jobs' own lines
-    const gpu::DevicePtr device = gpu::Device::open({.selector = fmt::format("{}", caps.index)});
-    std::vector<BenchCase> cases;
-    const bool cpu = caps.type == gpu::DeviceType::Cpu;
-    for (const gpu::TraceWay way : kWays)
-        if (caps.supports(way))
-            cases.push_back({.scene = "builtin:cornell", .way = way, .size = cpu ? Size2{160, 90} : Size2{1280, 720}, .spp = 16});
-    std::vector<Measured> results;
-    run_bench_cases(cases, {}, device, [&](const BenchRow& row) { results.push_back({row.what.way, row.report.mega_rays_per_second()}); });
-    set_log_level(level);
-    return results;
+    const MeasuredTrace measured = measure_tracing(gpu::Device::open({.selector = fmt::format("{}", caps.index)}));
+    store_measured_trace(caps, measured);
+    return measured;
+}
+
+std::string measured_text(const gpu::DeviceCaps& caps, const MeasuredTrace& measured) {
+    std::string out;
+    for (const MeasuredTrace::Rate& rate : measured.rates) out += fmt::format("     {:<9}{:>10.3f} million rays/s\n", rate.tracer, rate.mrays_per_s);
+    const bool compute = measured.way() == gpu::TraceWay::Compute;
+    return out + fmt::format("     --trace auto takes {}{} from now on: {}\n", trace_way_name(measured.way()),
+                             compute ? fmt::format(" with {} nodes", node_layout_name(measured.layout())) : "", escape_name(measured_trace_file(caps).string()));
+}
+
+Json measured_json(const gpu::DeviceCaps& caps, const MeasuredTrace& measured) {
+    Json rates = Json::object();
+    for (const MeasuredTrace::Rate& rate : measured.rates) rates[rate.tracer] = rate.mrays_per_s;
+    return {{"mrays_per_s", rates}, {"trace", trace_way_name(measured.way())}, {"node_layout", node_layout_name(measured.layout())}, {"file", measured_trace_file(caps).string()}};
 }
 
 bool any_usable(const std::vector<gpu::DeviceCaps>& devices) {
@@ -110,10 +120,9 @@ int run_devices(const OptionValues& values) {
         list.push_back(device_json(devices[i], i == best));
         text += device_text(devices[i], i == best);
         if (!values.flag("--measure") || !devices[i].usable()) continue;
-        for (const Measured& result : measure(devices[i])) {
-            list.back()["measured_mrays_per_s"][std::string(trace_way_name(result.way))] = result.mega_rays_per_second;
-            text += fmt::format("     {:<9}{:>10.3f} million rays/s\n", trace_way_name(result.way), result.mega_rays_per_second);
-        }
+        const MeasuredTrace measured = measure(devices[i]);
+        list.back()["measured"] = measured_json(devices[i], measured);
+        text += measured_text(devices[i], measured);
     }
     if (values.flag("--require") && !usable)
         throw Error(ErrorCode::MissingFeature, devices.empty() ? "there is no Vulkan device" : "no device has what Parhelion needs",
