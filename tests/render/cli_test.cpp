@@ -6,7 +6,6 @@
 #include <regex>
 
 #include <unistd.h>
-
 #include <gtest/gtest.h>
 
 #include "base/error.h"
@@ -20,7 +19,6 @@ namespace {
 
 using Words = std::vector<std::string>;
 using Json = nlohmann::json;
-
 const Words kSmall{"render", "builtin:cornell", "--size", "24x16", "--spp", "2", "--exposure", "3"};
 // Hours of work on a CPU, a minute on a GPU: it never ends by itself in a test.
 const Words kEndless{"render", "builtin:cornell", "--size", "96x96", "--spp", "9999999", "--exposure", "3"};
