@@ -38,6 +38,25 @@ TestGeometry make_box(glm::vec3 low, glm::vec3 high) {
 
 Layout TestScene::layout = Layout::Four;
 
+void append(TestGeometry& to, const TestGeometry& from) {
+    const auto first = static_cast<uint32_t>(to.positions.size());
+    to.positions.insert(to.positions.end(), from.positions.begin(), from.positions.end());
+    for (const glm::uvec3 t : from.triangles) to.triangles.push_back(t + first);
+}
+
+TestGeometry make_hall(Random& random) {
+    TestGeometry hall = make_box(glm::vec3(-10.0f), glm::vec3(10.0f));
+    for (int i = 0; i < 100; ++i) {
+        TestGeometry beam = make_box(glm::vec3(0.0f), glm::vec3(1.0f));
+        const glm::vec3 a = random.in_cube(9.0f), z = random.direction(), x = glm::normalize(glm::cross(z, random.direction())), y = glm::cross(z, x);
+        const glm::mat3 sides(0.1f * x, 0.1f * y, random.range(3.0f, 10.0f) * z);
+        for (glm::vec3& p : beam.positions) p = a + sides * p;
+        append(hall, beam);
+    }
+    for (int i = 0; i < 60; ++i) append(hall, make_icosphere(2, random.range(0.1f, 0.5f), random.in_cube(9.0f)));
+    return hall;
+}
+
 TestScene::TestScene(std::vector<TestMesh> all_meshes, std::vector<TestInstance> all_instances) : meshes(std::move(all_meshes)), instances(std::move(all_instances)) {
     bottoms.nodes.layout = layout;
     for (const TestMesh& mesh : meshes) {

@@ -57,6 +57,11 @@ TestGeometry make_icosphere(uint32_t levels, float radius, glm::vec3 middle = gl
 // A closed box with shared corners, counter-clockwise from outside.
 TestGeometry make_box(glm::vec3 low, glm::vec3 high);
 
+void append(TestGeometry& to, const TestGeometry& from);
+
+// Walls of two triangles, long slanted beams, and small things between them: large triangles that spatial splits cut.
+TestGeometry make_hall(Random& random);
+
 struct TestInstance {
     uint32_t mesh = 0;
     glm::mat4 world_from_object{1.0f};

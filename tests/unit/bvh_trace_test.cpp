@@ -47,6 +47,14 @@ TEST_P(BvhTrace, closest_and_any_hit_equal_brute_force_on_random_soups) {
         }
 }
 
+// Triangles in several leaves; a filter that refuses some is asked about them several times.
+TEST_P(BvhTrace, closest_and_any_hit_equal_brute_force_where_triangles_are_cut) {
+    Random random(9);
+    const TestScene scene(make_hall(random));
+    const AcceptHit filter = [](uint32_t, uint32_t, uint32_t primitive, glm::vec2, bool front) { return (primitive + front) % 3 != 0; };
+    for (int i = 0; i < 600; ++i) ASSERT_EQ(compare_with_brute_force(scene, random_ray(random, i, 12.0f), i % 2 == 0 ? filter : AcceptHit{}), "") << "ray " << i;
+}
+
 // Mirrored, sheared, nested instances of two meshes, with masks, and with a filter that refuses every third candidate.
 TEST_P(BvhTrace, instances_equal_brute_force_whatever_their_transforms) {
     Random random(2);
