@@ -130,11 +130,6 @@ Surface fetch_surface(Hit hit, Ray ray, RayCone cone) {
     s.double_area_ws = sqrt(precise_dot(normal, normal));
     s.n_geometric_ws = s.double_area_ws > 0.0 ? normal / s.double_area_ws : -ray.direction_ws;
     s.front_facing = precise_dot(s.n_geometric_ws, ray.direction_ws) < 0.0;
-    // Traversals carry the next ray into object space. The roundings on that way, as far as they count: along the normal, back in the world.
-    vec3 object_error;
-    transform_point_precise(instance.object_from_world, position, vec3(0.0), object_error);
-    precise const vec3 n_object = abs(transform_normal(instance.world_from_object, s.n_geometric_ws));
-    s.position_error += 2.0 * precise_dot(n_object, object_error) * abs(s.n_geometric_ws);  // twice: the inverse that is traversed with has roundings too
 
     AttributeArray attributes = AttributeArray(geometry.attributes);
     const VertexAttributes a0 = attributes.v[index.x], a1 = attributes.v[index.y], a2 = attributes.v[index.z];

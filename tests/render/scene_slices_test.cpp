@@ -112,7 +112,7 @@ TEST_F(SceneSlices, the_scene_before_is_drawn_until_the_new_one_is_complete) {
     const auto visible = [&] {
         struct Push {
             uint64_t rays = 0, found = 0;
-            uint32_t count;
+            uint32_t count, mask = 0xFFu;
         };
         const gpu::Buffer input(device(), "test/rays", 2 * sizeof(TestRay)), output(device(), "test/found", 2 * sizeof(TestFound));
         stage.frame.upload(input, 0, std::as_bytes(std::span(through)));

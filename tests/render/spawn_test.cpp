@@ -15,8 +15,7 @@ TEST_F(Spawn, rays_by_error_bounds_never_meet_their_own_triangle_and_start_near_
         const SpawnCounts::Decade all = counts.total();
         EXPECT_EQ(all.rays, 10000u);
         EXPECT_EQ(all.met[0], 0u) << gpu::trace_way_name(way) << '\n' << counts.met;
-        // Triangles so thin under their transform that single precision on the way into object space moves them by that much.
-        EXPECT_LT(all.leaks[0], all.rays / 400) << gpu::trace_way_name(way);
+        EXPECT_LT(all.leaks[0], all.rays / 500) << gpu::trace_way_name(way);
         // The document's method starts rays of small things far away: its least step is 15 micrometres.
         EXPECT_GT(all.leaks[1], all.rays / 10) << gpu::trace_way_name(way);
     }
