@@ -10,13 +10,11 @@ namespace parhelion::bvh {
 
 namespace {
 
-constexpr uint32_t kSubtree = 1u << 14;   // ranges up to this size are one thread's work
+constexpr uint32_t kSubtree = 1u << 12;   // ranges up to this size are one thread's work
 constexpr uint32_t kTogether = 128;       // larger ranges are all threads' work, if they hold more than this part of everything
 // Halves that have less in common are not worth a spatial split: shares of the root's surface (Stich et al. 2009) and of the range's
 // own, if it is large or small.
 constexpr float kSmallOverlap = 1e-5f, kShareLarge = 0.1f, kShareSmall = 0.3f;
-// Large ranges are split in space only for a clear gain: their cost, as if they were leaves, overrates what parts of a few walls save.
-constexpr float kClearGain = 0.9f;
 
 struct Range {
     uint32_t first, count, slots;  // of the reference array; slots - count are free for spatial splits
@@ -122,7 +120,7 @@ private:
         // Within a leaf's size no references are added: the height counts from there.
         const float small = std::max(small_overlap_, (sweep ? kShareSmall : kShareLarge) * extent.box.half_area());
         if (range.slots > range.count && range.count > limits_.max_leaf && (object.axis < 0 || overlap(object.left, object.right) > small)) {
-            const SpatialSplit spatial = best_spatial_split(references, triangles_, extent.box, sweep ? object.cost : kClearGain * object.cost, worker.team);
+            const SpatialSplit spatial = best_spatial_split(references, triangles_, extent.box, object.cost, worker.team);
             if (spatial.axis >= 0 && spatial.left_count + spatial.right_count <= range.slots) {
                 const Halves halves = divide(range, worker, [&](const Reference& r) { return part_reference(r, triangles_, spatial); });
                 if (halves.left_count > 0) return halves;

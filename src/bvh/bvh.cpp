@@ -77,15 +77,16 @@ uint32_t add_bottom(Bottoms& bottoms, std::span<const BottomGeometry> geometries
         throw Error(ErrorCode::Failed, "the scene has more than 2^31 triangles", "own BVH", "trace by pipeline or query");
     std::vector<shared::BvhTriangle> triangles(count);
     read_triangles(geometries, triangles);
-    const WideTree tree = build_wide_tree(triangles, {.width = node_width(layout),
-                                                      .max_leaf = shared::kBvhMaxLeaf,
-                                                      .max_depth = max_bottom_depth(layout),
-                                                      .growth = growth,
-                                                      .node_cost = layout == Layout::Compact ? 4.0f : 0.0f});
+    WideTree tree = build_wide_tree(triangles, {.width = node_width(layout),
+                                                .max_leaf = shared::kBvhMaxLeaf,
+                                                .max_depth = max_bottom_depth(layout),
+                                                .growth = growth,
+                                                .node_cost = layout == Layout::Compact ? 4.0f : 0.0f});
 
     const size_t first_triangle = bottoms.triangles.size();
     bottoms.roots.push_back(static_cast<uint32_t>(bottoms.nodes.size()));
     bottoms.nodes.append(tree, static_cast<uint32_t>(first_triangle));
+    tree.nodes = {};  // as large as what they have become
     bottoms.triangles.resize(first_triangle + tree.order.size());
     parallel_for(tree.order.size(), kGrain, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {

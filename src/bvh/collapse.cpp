@@ -13,7 +13,7 @@ using shared::kBvhItemMask;
 using shared::kBvhLeaf;
 
 constexpr uint32_t kMaxWidth = 4;
-constexpr uint32_t kAlone = 1u << 14;  // subtrees up to this size are written by one thread
+constexpr uint32_t kAlone = 1u << 12;  // subtrees up to this size are written by one thread
 
 bool is_reference(uint32_t child) { return (child & kBvhLeaf) != 0; }
 
@@ -241,6 +241,8 @@ WideTree collapse(BinaryTree tree, uint32_t width, uint32_t max_leaf, uint32_t m
     parallel_for(parts.size(), 1, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
             Writer writer(tree, plans, width, max_leaf);
+            const uint32_t references = plans[top.left_over[i].binary].references;
+            writer.out.nodes.reserve(references / 2), writer.out.order.reserve(references), writer.out.rest.reserve(references);
             writer.out.nodes.resize(1);
             writer.write({top.left_over[i].binary, 0, top.left_over[i].room}, 0);
             parts[i] = std::move(writer.out);

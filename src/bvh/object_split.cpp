@@ -4,6 +4,10 @@ namespace parhelion::bvh {
 
 namespace {
 
+// A split by size has to be that much better: its halves overlap, and large things are tested by nearly every ray that comes near.
+// Chosen on rooms, a church, a flat and a car: 1 makes some of them worse, 1.5 makes nearly all of them better.
+constexpr float kSizePenalty = 1.5f;
+
 struct Bin {
     Box box;
     uint32_t count = 0;
@@ -55,7 +59,8 @@ ObjectSplit best_binned_split(std::span<const Reference> references, const Binni
             left.box.add(bins[b - 1].box);
             left.count += bins[b - 1].count;
             if (left.count == 0 || left.count == count) continue;
-            const float cost = left.box.half_area() * float(left.count) + right_box[b].half_area() * float(count - left.count);
+            float cost = left.box.half_area() * float(left.count) + right_box[b].half_area() * float(count - left.count);
+            if (axis == kBySize) cost *= kSizePenalty;
             if (!is_better(cost, left.count, best, count)) continue;
             static_cast<Split&>(best) = {cost, axis, left.count, count - left.count, left.box, right_box[b]};
             best.bin = b;
