@@ -54,7 +54,7 @@ public:
             if (range.count <= small) rest.push_back(range);
             else split_range(range, all, large), tree_.top.push_back(*range.link);
         }
-        all.scratch = {};
+        all.scratch = std::vector<Reference>();  // frees it; {} would not
         std::stable_sort(rest.begin(), rest.end(), [](const Range& a, const Range& b) { return a.count > b.count; });
         parallel_for(rest.size(), 1, [&](size_t begin, size_t end) {
             Worker one;

@@ -86,7 +86,7 @@ uint32_t add_bottom(Bottoms& bottoms, std::span<const BottomGeometry> geometries
     const size_t first_triangle = bottoms.triangles.size();
     bottoms.roots.push_back(static_cast<uint32_t>(bottoms.nodes.size()));
     bottoms.nodes.append(tree, static_cast<uint32_t>(first_triangle));
-    tree.nodes = {};  // as large as what they have become
+    tree.nodes = std::vector<WideNode>();  // frees what is as large as what it has become; {} would not
     bottoms.triangles.resize(first_triangle + tree.order.size());
     parallel_for(tree.order.size(), kGrain, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {

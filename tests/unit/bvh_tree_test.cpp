@@ -207,7 +207,7 @@ double memory(const std::string& name) {
 // What the process held at most while a mesh was built, the mesh itself aside.
 TEST(BvhTree, building_takes_at_most_250_bytes_a_triangle) {
     Random random(6);
-    const TestGeometry soup = make_soup(random, 150000, 10.0f, 0.5f);
+    const TestGeometry soup = make_soup(random, 300000, 10.0f, 0.4f);
     mallopt(M_MMAP_THRESHOLD, 1 << 17);             // arrays go back to the system when they are freed, whatever ran before
     malloc_trim(0);                                 // what earlier tests have freed would not count
     std::ofstream("/proc/self/clear_refs") << 5;  // the peak starts anew
