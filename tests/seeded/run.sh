@@ -19,6 +19,7 @@ compile_pack() {
     # A tab as separator would swallow the empty variant.
     while IFS='|' read -r name variant stage spv; do
         [ -n "$name" ] || continue
+        case $variant in *'~') continue ;; esac  # what GPUs get: made of the others, which serve every device
         if grep -qF "$root/$file" "$spv.d"; then
             changed=1
             case $name in
