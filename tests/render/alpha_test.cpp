@@ -108,15 +108,7 @@ TEST_F(AlphaMasks, a_ray_meets_the_first_translucent_triangle_whose_number_says_
 TEST_F(AlphaMasks, the_rays_of_two_bounces_pass_a_veil_independently) {
     constexpr float kAlpha = 0.4f;
     SceneEdit edit;
-    Primitive ground, sheet;
-    add_quad(ground, {-900.0f, 0.0f, 900.0f}, {1800.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -1800.0f});
-    add_quad(sheet, {-900.0f, 1.0f, 900.0f}, {1800.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -1800.0f});
-    Material veil = builtin::lambert("veil", glm::vec3(0.0f));
-    veil.double_sided = true;
-    veil.alpha_mode = AlphaMode::Blend;
-    veil.base_color.a = kAlpha;
-    builtin::add_object(edit, "ground", std::move(ground), edit.add(builtin::lambert("ground", glm::vec3(1.0f))));
-    builtin::add_object(edit, "veil", std::move(sheet), edit.add(std::move(veil)));
+    add_veiled_ground(edit, 900.0f, 1.0f, kAlpha);
     edit.set_environment({.scale = glm::vec3(1.0f)});
     Stage stage(make_scene(std::move(edit)));
     // BSDF sampling in constant light: nothing but the veil is random.

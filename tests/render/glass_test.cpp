@@ -245,15 +245,7 @@ TEST_F(Glass, a_body_of_glass_casts_a_shadow) {
 TEST_F(Glass, a_veil_of_alpha_a_crossed_twice_passes_one_minus_a_squared) {
     constexpr float kAlpha = 0.4f;
     SceneEdit edit;
-    Primitive ground, sheet;
-    add_quad(ground, {-4.0f, 0.0f, 4.0f}, {8.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -8.0f});
-    add_quad(sheet, {-4.0f, 2.0f, 4.0f}, {8.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -8.0f});
-    Material veil = builtin::lambert("veil", glm::vec3(0.0f));
-    veil.double_sided = true;
-    veil.alpha_mode = AlphaMode::Blend;
-    veil.base_color.a = kAlpha;
-    builtin::add_object(edit, "ground", std::move(ground), edit.add(builtin::lambert("ground", glm::vec3(1.0f))));
-    builtin::add_object(edit, "veil", std::move(sheet), edit.add(std::move(veil)));
+    add_veiled_ground(edit, 4.0f, 2.0f, kAlpha);
     edit.add(Light{.kind = LightKind::Directional, .intensity = float(kPi), .place = {.node_from_object = glm::mat4_cast(glm::angleAxis(float(-kPi / 2), glm::vec3(1, 0, 0)))}});
     expect_from_above(std::move(edit), glm::dvec3(std::pow(1.0 - double(kAlpha), 2)), 0.02);
 }

@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 
+#include "scene/builtin/scenes.h"
+#include "scene/shapes.h"
 #include "session/film_state.h"
 #include "session/scene_setup.h"
 #include "support/pack_writer.h"
@@ -99,6 +101,18 @@ Scene make_scene(SceneEdit edit) {
     Scene scene;
     scene.apply(std::move(edit));
     return scene;
+}
+
+void add_veiled_ground(SceneEdit& edit, float half_extent, float height, float alpha) {
+    Primitive ground, sheet;
+    for (const auto& [quad, y] : {std::pair(&ground, 0.0f), std::pair(&sheet, height)})
+        add_quad(*quad, {-half_extent, y, half_extent}, {2.0f * half_extent, 0.0f, 0.0f}, {0.0f, 0.0f, -2.0f * half_extent});
+    Material veil = builtin::lambert("veil", glm::vec3(0.0f));
+    veil.double_sided = true;
+    veil.alpha_mode = AlphaMode::Blend;
+    veil.base_color.a = alpha;
+    builtin::add_object(edit, "ground", std::move(ground), edit.add(builtin::lambert("ground", glm::vec3(1.0f))));
+    builtin::add_object(edit, "veil", std::move(sheet), edit.add(std::move(veil)));
 }
 
 CameraView camera_from_above(float height, float half_extent) {

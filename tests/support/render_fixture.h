@@ -63,6 +63,8 @@ const gpu::ShaderPack& joint_shader_pack();
 
 // A scene made by one edit.
 Scene make_scene(SceneEdit edit);
+// White Lambert ground at y = 0 and, at `height`, a black sheet of this alpha that is blended; squares of the half extent.
+void add_veiled_ground(SceneEdit& edit, float half_extent, float height, float alpha);
 // Looks straight down on the plane y = 0 from `height`, image rows along +Z: pixel centres are at ground_point().
 CameraView camera_from_above(float height, float half_extent);
 glm::vec2 ground_point(uint32_t x, uint32_t y, uint32_t size, float half_extent);  // (x, z)
