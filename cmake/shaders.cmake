@@ -6,7 +6,8 @@
 #   name.rchit|.rahit|.rmiss      the scene's hit shaders
 #   a line "// variants: A B+C"   also compiled with -DA, and with -DB -DC
 #   "// pipeline variants: ..."    of a .trace file: those of the pipeline way only
-#   variant~                      of the compute way, after spirv-opt, for GPUs: an eighth faster there, a fifth slower on a CPU device
+#   variant~                      of the compute way, after spirv-opt, for GPUs: an eighth faster there, a fifth slower on a CPU device;
+#                                 of a compute pass too that says "// optimised variants"
 set(PARHELION_SHADER_ROOT ${CMAKE_SOURCE_DIR}/shaders)
 
 add_executable(shader_pack tools/shader_pack.cpp)
@@ -62,6 +63,7 @@ function(parhelion_shader_pack pack)
             file(STRINGS ${source} pipeline_only REGEX "^// pipeline variants: ")
             string(REGEX REPLACE "^// pipeline variants: " "" pipeline_only "${pipeline_only}")
             separate_arguments(pipeline_only)
+            file(STRINGS ${source} optimised REGEX "^// optimised variants$")
             foreach(define "" ${declared} ${pipeline_only})
                 set(flags)
                 set(suffix)
@@ -71,6 +73,9 @@ function(parhelion_shader_pack pack)
                 endif()
                 if(kind STREQUAL "comp")
                     parhelion_compile_shader(${source} ${name} "${suffix}" compute ${flags})
+                    if(optimised)
+                        parhelion_optimize_shader(${name} "${suffix}" compute)
+                    endif()
                 elseif(kind STREQUAL "trace" AND define AND define IN_LIST pipeline_only)
                     parhelion_compile_shader(${source} ${name} "pipeline${suffix}" rgen -DTRACE_PIPELINE ${flags})
                 elseif(kind STREQUAL "trace")

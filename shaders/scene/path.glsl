@@ -2,23 +2,8 @@
 // of the hit, the sampler is fixed per pixel, emission is weighted whatever surface was passed, ray origins move by error bounds.
 #ifndef PARHELION_SCENE_PATH_GLSL
 #define PARHELION_SCENE_PATH_GLSL
-#include "scene/camera.glsl"
+#include "scene/begin_path.glsl"
 #include "scene/trace_light.glsl"
-#include "scene/vertex.glsl"
-
-PathState begin_path(ViewData view, PathKey key) {
-    PathSampler samples = make_sampler(key.pixel, key.sample_index, key.seed, view.sampler_kind, scene.header.sobol, scene.header.blue_noise);
-    PathState path;
-    path.ray = sample_camera_ray(view, key.pixel, samples, alpha_key(key, 0u, kRayPath));
-    path.throughput = vec3(1.0);
-    path.pdf = -1.0;
-    path.travelled = 0.0;
-    path.radiance_scale = 1.0;
-    path.path_class = PathClass(0u, false, vec3(0.0));
-    path.cone = first_cone(view);
-    path.media = make_medium_stack();
-    return path;
-}
 
 // Traces the path's ray and shades what it meets.
 #ifdef SHADE_IN_HIT
@@ -44,7 +29,7 @@ PathRadiance trace_path(ViewData view, uvec2 pixel, uint sample_index, inout Fir
         add_arriving(radiance, path_class, vertex.arriving);
         if (vertex.event.exists) {
             const vec3 passing = trace_light(view, vertex.event.ray);
-            add_sampled(radiance, path_class, scale(vertex.event.value, passing));
+            add_sampled(radiance, path_class, total(vertex.event.value) * passing, scale(vertex.event.value, passing));
         }
     } while (vertex.goes_on);
     return radiance;

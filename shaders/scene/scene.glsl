@@ -9,6 +9,11 @@
 layout(set = 0, binding = 2, scalar) readonly buffer SceneBlock { SceneHeader header; } scene;
 layout(set = 0, binding = 3) uniform sampler2D textures[];
 
+// Of a shaded surface's material: a kernel that shades one class of materials defines the flags that it never has, and pays nothing for them.
+#ifndef ABSENT_MATERIAL_FLAGS
+#define ABSENT_MATERIAL_FLAGS 0u
+#endif
+
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer InstanceArray { Instance v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer GeometryArray { Geometry v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer MaterialArray { Material v[]; };

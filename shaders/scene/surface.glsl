@@ -102,7 +102,8 @@ Surface fetch_surface(Hit hit, Ray ray, RayCone cone) {
     s.primitive = hit.primitive;
     const Instance instance = scene_instance(s.instance);
     const Geometry geometry = scene_geometry(instance.geometry_base + hit.geometry);
-    const Material material = scene_material(geometry.material);
+    Material material = scene_material(geometry.material);
+    material.flags &= ~ABSENT_MATERIAL_FLAGS;
     s.material = geometry.material;
     s.integer_offset = false;
 

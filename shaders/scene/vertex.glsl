@@ -221,22 +221,19 @@ VertexResult shade_vertex(ViewData view, PathKey key, Hit hit, inout PathState p
     const uint bounce = path.path_class.bounce;
     result.arriving = path.throughput * arriving_emission(path, s, view.light_sampling);
     result.arriving *= firefly_share(view, bounce, result.arriving);
-    if (bounce == 0u && !path.path_class.transmitted)
-        first = FirstHit(s.scattering.base_color, s.n_shading_ws * (s.front_facing ? 1.0 : -1.0), s.emission, s.scattering.roughness);
 
     MediumBoundary boundary = MediumBoundary(path.media, true, s.scattering.ior);
-    if (kLayers && s.scattering.transmission > 0.0) {
-        if (!s.scattering.thin) {
-            boundary = cross_boundary(path.media, s.material, s.front_facing);
-            if (!boundary.real) {
-                pass_boundary(path, s, boundary);
-                result.goes_on = true;
-                return result;
-            }
-        } else if (is_pane(s.scattering) && pass_pane(view, path, s)) {
-            result.goes_on = true;
-            return result;
-        }
+    if (kLayers && s.scattering.transmission > 0.0 && !s.scattering.thin) boundary = cross_boundary(path.media, s.material, s.front_facing);
+    if (!boundary.real) {
+        pass_boundary(path, s, boundary);
+        result.goes_on = true;
+        return result;
+    }
+    if (bounce == 0u && !path.path_class.transmitted)
+        first = FirstHit(s.scattering.base_color, s.n_shading_ws * (s.front_facing ? 1.0 : -1.0), s.emission, s.scattering.roughness);
+    if (kLayers && is_pane(s.scattering) && pass_pane(view, path, s)) {
+        result.goes_on = true;
+        return result;
     }
     if (bounce >= view.max_bounces) return result;
 

@@ -21,10 +21,14 @@ SHARED_CONST uint kMaterialTransmits = 16u;  // light goes through it: never cul
 SHARED_CONST uint kMaterialThin = 32u;       // it transmits without enclosing a volume: a wall without thickness
 SHARED_CONST uint kMaterialCoated = 64u;
 SHARED_CONST uint kMaterialSheen = 128u;
+SHARED_CONST uint kMaterialOnlyEmits = 256u;  // no light is reflected or let through
 
 // SceneHeader::features: what some material of the scene has.
 SHARED_CONST uint kSceneLayers = 1u;  // transmission, a clear coat or sheen: path tracers need their variant LAYERS
 SHARED_CONST uint kScenePanes = 2u;   // thin-walled transmission: shadow rays may pass
+SHARED_CONST uint kSceneTransmits = 4u;
+SHARED_CONST uint kSceneCoats = 8u;     // a clear coat or sheen on what does not transmit
+SHARED_CONST uint kSceneEmitters = 16u; // kMaterialOnlyEmits
 
 // A row-major 3x4 affine transform: column vectors, p' = (dot(row0, vec4(p, 1)), ...).
 struct Affine {

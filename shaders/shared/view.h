@@ -34,6 +34,10 @@ SHARED_CONST uint kViewNormalCorrection = 2u;    // shading normals are bent so 
 SHARED_CONST uint kViewShutter = 4u;             // the camera moves while the shutter is open (ViewData::motion)
 SHARED_CONST uint kViewIntegerOffset = 8u;       // rays leave surfaces by offset_origin_integer() (lib/geometry.glsl)
 
+// Kinds of rays: in the film's counts, and in the random numbers of alpha tests.
+SHARED_CONST uint kRayPath = 0u;
+SHARED_CONST uint kRayShadow = 1u;
+
 // A film block is 64 samples: summed in float by sample index, then added exactly (lib/fixed_point.glsl).
 SHARED_CONST uint kSamplesPerBlock = 64u;
 

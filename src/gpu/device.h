@@ -26,6 +26,7 @@ struct DeviceCaps {
     bool ray_pipeline = false, ray_query = false, shader_float64 = false;
     bool block_compression = false;  // images of the formats BC1 to BC7
     uint32_t subgroup_size = 0;
+    bool subgroup_ballot = false;  // in compute shaders
     uint32_t shader_group_handle_size = 0, shader_group_handle_alignment = 0, shader_group_base_alignment = 0;
     uint32_t max_ray_recursion_depth = 0, scratch_alignment = 0;
     uint32_t max_push_constant_bytes = 0, max_bindless_textures = 0;

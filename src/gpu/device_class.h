@@ -17,6 +17,7 @@ struct DeviceClass {
     TraceWay way;       // what `--trace auto` takes
     NodeLayout layout;  // of our own structure; not Auto
     bool walks_in_rounds;  // its traversal's loop: BvhLoop::Rounds, else Descend
+    uint32_t wavefront_slots;  // paths of the wavefront at a time
 };
 
 // The first that holds is a device's class; the last holds for every device.

@@ -97,6 +97,8 @@ void note_limits(const Properties& p, PhysicalDevice& out) {
     out.max_buffer_bytes = std::min(p.v13.maxBufferSize, p.v11.maxMemoryAllocationSize);
     caps.driver = fmt::format("{} {}", p.v12.driverName, p.v12.driverInfo);
     caps.subgroup_size = p.v11.subgroupSize;
+    caps.subgroup_ballot = (p.v11.subgroupSupportedOperations & VK_SUBGROUP_FEATURE_BALLOT_BIT) != 0 &&
+                           (p.v11.subgroupSupportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0;
     caps.max_allocation_bytes = p.v11.maxMemoryAllocationSize;
     caps.max_push_constant_bytes = out.limits.maxPushConstantsSize;
     caps.max_storage_buffer_range = out.limits.maxStorageBufferRange;

@@ -1,7 +1,5 @@
 #include "renderers/reference.h"
 
-#include "base/error.h"
-
 namespace parhelion {
 
 passes::PathTraceOptions trace_options(const ViewDesc& view) {
@@ -11,17 +9,9 @@ passes::PathTraceOptions trace_options(const ViewDesc& view) {
 void check_reference(const ViewDesc& view, bool pipeline) { passes::check_shading(trace_options(view), pipeline); }
 
 void record_reference(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, View& view, const shared::Slice& slice, bool ends_range) {
-    const uint32_t end = slice.first_sample + slice.sample_count;
-    PARHELION_CHECK(slice.sample_count >= 1 && slice.first_sample / shared::kSamplesPerBlock == (end - 1) / shared::kSamplesPerBlock,
-                    "samples {} to {} are not inside one block", slice.first_sample, end);
-    PARHELION_CHECK(slice.first_row + slice.row_count <= view.film().height, "rows {} + {} are outside the film", slice.first_row, slice.row_count);
-    view.prepare(frame);
-    if (const RowRange rows = view.take_first_hit_rows(slice.first_row + slice.row_count); rows.count != 0)
-        passes::first_hit(frame, scene, way, view.film(), rows.first, rows.count);
+    begin_slice(frame, scene, way, view, slice);
     passes::path_trace(frame, scene, way, view.film(), slice, trace_options(view.desc()));
-    if (ends_range || end % shared::kSamplesPerBlock == 0) passes::add_block(frame, view.film(), slice);
+    end_slice(frame, view, slice, ends_range);
 }
-
-void end_block(Frame& frame, View& view) { passes::add_block(frame, view.film(), {.first_row = 0, .row_count = view.film().height}); }
 
 }  // namespace parhelion

@@ -1,6 +1,6 @@
 #pragma once
 // The reference path tracer: unbiased, accumulates to ground truth. Document 002.
-#include "renderers/view.h"
+#include "renderers/slice.h"
 
 namespace parhelion {
 
@@ -13,9 +13,5 @@ void check_reference(const ViewDesc& view, bool pipeline);
 // when its last sample is the block's last, or when `ends_range` (the last sample of the whole job). Only records: no submit, no
 // wait. The scene must be drawable (SceneGpu::update). Pictures do not depend on how a job is cut into slices.
 void record_reference(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, View& view, const shared::Slice& slice, bool ends_range);
-
-// Ends the running block of every row, whatever its number of samples: for a job that stops inside a block. Sums that it was
-// called on are those of a picture; more samples of the same block cannot follow.
-void end_block(Frame& frame, View& view);
 
 }  // namespace parhelion

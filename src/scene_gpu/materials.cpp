@@ -108,12 +108,13 @@ glm::vec3 absorption(const Material& material) {
 }
 
 uint32_t material_flags(const Material& material) {
-    if (material.unlit) return shared::kMaterialUnlit;
+    if (material.unlit) return shared::kMaterialUnlit | shared::kMaterialOnlyEmits;
     uint32_t flags = 0;
     if (material.transmission > 0.0f) flags |= shared::kMaterialTransmits | (material.thickness > 0.0f ? 0u : shared::kMaterialThin);
     if (material.clearcoat > 0.0f) flags |= shared::kMaterialCoated;
     if (material.sheen_color != glm::vec3(0.0f)) flags |= shared::kMaterialSheen;
-    return flags;
+    const bool dark = glm::vec3(material.base_color) == glm::vec3(0.0f) && material.specular == 0.0f && material.metallic == 0.0f;
+    return flags == 0 && dark ? shared::kMaterialOnlyEmits : flags;
 }
 
 }  // namespace
@@ -205,7 +206,9 @@ void SceneGpu::State::make_materials() {
         row.specular_color = material.specular_color;
         row.flags = (material.alpha_mode == AlphaMode::Mask ? shared::kAlphaMask : material.alpha_mode == AlphaMode::Blend ? shared::kAlphaBlend : shared::kAlphaOpaque) |
                     (material.double_sided ? shared::kMaterialDoubleSided : 0) | material_flags(material);
-        if ((row.flags & (shared::kMaterialTransmits | shared::kMaterialCoated | shared::kMaterialSheen)) != 0) features |= shared::kSceneLayers;
+        if ((row.flags & shared::kMaterialTransmits) != 0) features |= shared::kSceneLayers | shared::kSceneTransmits;
+        else if ((row.flags & (shared::kMaterialCoated | shared::kMaterialSheen)) != 0) features |= shared::kSceneLayers | shared::kSceneCoats;
+        if ((row.flags & shared::kMaterialOnlyEmits) != 0) features |= shared::kSceneEmitters;
         if ((row.flags & shared::kMaterialThin) != 0) features |= shared::kScenePanes;
         row.absorption = absorption(material);
         row.priority = material.nested_priority;

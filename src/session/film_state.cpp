@@ -10,7 +10,10 @@ namespace parhelion {
 
 uint64_t hash_render(const Scene& scene, const ViewDesc& view, const RenderSettings& settings) {
     RenderSettings shown = settings;
-    shown.node_layout = NodeLayout::Auto, shown.bvh_loop = BvhLoop::Auto;  // as --trace: do not belong to the picture
+    const RenderSettings standard;  // of what does not belong to the picture, as --trace
+    shown.node_layout = standard.node_layout, shown.bvh_loop = standard.bvh_loop;
+    shown.wavefront_slots = standard.wavefront_slots, shown.wavefront_connect = standard.wavefront_connect, shown.wavefront_dispatch = standard.wavefront_dispatch;
+    shown.wavefront_classes = standard.wavefront_classes, shown.wavefront_memory_mb = standard.wavefront_memory_mb;
     Hasher hasher;
     hasher.add(hash_scene(scene))
         .add(hash_settings(shown))

@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "base/log.h"
 #include "renderers/reference.h"
+#include "renderers/wavefront.h"
 #include "scene/load.h"
 #include "session/camera_setup.h"
 #include "session/film_state.h"
@@ -97,6 +98,8 @@ private:
     ViewDesc describe_view() const;
     void resume();
     void render();
+    void draw(const shared::Slice& slice);
+    void run_slice_frame();
     [[noreturn]] void rethrow_with_checkpoint(const Error& error) const;
     bool should_stop();
     bool is_interrupted() const { return report_.interrupt != platform::Interrupt::None; }
@@ -120,7 +123,9 @@ private:
     std::unique_ptr<SceneGpu> scene_gpu_;
     std::unique_ptr<Frame> frame_;
     std::unique_ptr<View> view_;
+    std::optional<Wavefront> wavefront_;  // where it is what draws
     std::optional<Slicer> slicer_;
+    bool slice_is_listed_ = false;
     Clock::time_point checkpoint_time_;
     uint64_t checkpoint_end_ = 0;
     RenderReport report_;
@@ -235,7 +240,15 @@ void Job::resume() {
     report_.size = options_.size;
     report_.wanted = options_.samples;
     report_.resumed_at = samples.begin;
-    slicer_.emplace(options_.size, samples);
+    if (options_.renderer == RendererKind::Wavefront) {
+        // Its frames are short however long a slice is; but at the end of each the machine runs empty.
+        constexpr double kSliceSeconds = 1.0;
+        constexpr uint64_t kPathsPerSlot = 16;
+        wavefront_.emplace(device_, wavefront_options(settings_));
+        slicer_.emplace(options_.size, samples, kSliceSeconds, kPathsPerSlot * wavefront_->slots());
+    } else {
+        slicer_.emplace(options_.size, samples);
+    }
 }
 
 bool Job::should_stop() {
@@ -257,6 +270,32 @@ void Job::show_progress(Progress& progress) {
     progress.update(slicer_->done_work(), fmt::format("{}/{} spp", done, options_.samples.end - options_.samples.begin));
 }
 
+// Runs the frame that draws a slice, or a part of it.
+void Job::run_slice_frame() {
+    frame_->run();
+    add_times(report_.passes, *frame_);
+    if (!options_.list_frame || slice_is_listed_) return;
+    slice_is_listed_ = true;
+    report_.listing += "\nslice\n" + frame_->listing(true);
+}
+
+void Job::draw(const shared::Slice& slice) {
+    const bool ends_range = slice.first_sample + slice.sample_count == options_.samples.end;
+    if (!wavefront_) {
+        record_reference(*frame_, *scene_gpu_, way_, *view_, slice, ends_range);
+        return run_slice_frame();
+    }
+    wavefront_->start(slice);
+    for (bool finished = false; !finished;) {
+        const auto begin = Clock::now();
+        wavefront_->record(*frame_, *scene_gpu_, way_, *view_);
+        run_slice_frame();
+        finished = wavefront_->advance(seconds_since(begin));
+    }
+    end_slice(*frame_, *view_, slice, ends_range);
+    run_slice_frame();
+}
+
 void Job::render() {
     const auto begin = checkpoint_time_ = Clock::now();
     Progress progress("rendering", slicer_->total_work());
@@ -265,12 +304,8 @@ void Job::render() {
         const auto slice = slicer_->next();
         if (!slice) break;
         const auto slice_begin = Clock::now();
-        record_reference(*frame_, *scene_gpu_, way_, *view_, *slice, slice->first_sample + slice->sample_count == options_.samples.end);
-        frame_->run();
+        draw(*slice);
         slicer_->measured(*slice, seconds_since(slice_begin));
-        add_times(report_.passes, *frame_);
-        if (options_.list_frame && slice->first_row == 0 && slice->first_sample == report_.resumed_at)
-            report_.listing += "\nslice\n" + frame_->listing(true);
         show_progress(progress);
         if (options_.list_frame && options_.output.files.empty()) break;
         const bool at_block_end = slicer_->whole_samples() % shared::kSamplesPerBlock == 0 && slicer_->whole_samples() > checkpoint_end_;

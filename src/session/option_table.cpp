@@ -26,7 +26,7 @@ constexpr uint32_t kLength = 1, kViewpoint = 2;  // exclusive groups
 const OptionSpec kOptions[] = {
     // The picture
     {.name = "--renderer", .section = "Picture", .commands = kRender, .kind = ValueKind::Choice, .value = "NAME", .fallback = "reference",
-     .help = "how light is computed", .choices = "reference|wavefront|realtime", .absent_choices = "wavefront|realtime"},
+     .help = "how light is computed", .choices = "reference|wavefront|realtime", .absent_choices = "realtime"},
     {.name = "--size", .section = "Picture", .commands = kRender, .kind = ValueKind::Size, .value = "WxH", .fallback = "1280x720",
      .help = "width and height of the picture in pixels"},
     {.name = "--seed", .section = "Picture", .commands = kRender, .kind = ValueKind::Integer, .value = "S", .fallback = "0",

@@ -2,6 +2,7 @@
 // The settings of `--set group.field=value`: what a picture depends on and seldom needs an option of its own.
 #include "base/settings.h"
 #include "renderers/view.h"
+#include "renderers/wavefront.h"
 #include "scene/sky.h"
 
 namespace parhelion {
@@ -24,6 +25,11 @@ struct RenderSettings {
     Switch energy_compensation = Switch::On, normal_correction = Switch::On;
     SpawnOffset spawn_offset = SpawnOffset::ErrorBounds;
     float firefly_clamp = 0.0f;
+    uint32_t wavefront_slots = 0;
+    ConnectWhen wavefront_connect = ConnectWhen::EachBounce;
+    WavefrontDispatch wavefront_dispatch = WavefrontDispatch::Indirect;
+    Switch wavefront_classes = Switch::On;
+    uint32_t wavefront_memory_mb = 1024;
 };
 
 template <class V>
@@ -52,8 +58,23 @@ void visit(V&& v, RenderSettings& s) {
             "how rays leave surfaces: moved by bounds of the rounding errors, or by fixed numbers of roundings (document 002)");
     v.field("reference.firefly_clamp", s.firefly_clamp, range(0, 1e30),
             "most nits that one contribution after the first scattering may add to a sample (biased); 0: no limit");
+    v.field("wavefront.slots", s.wavefront_slots, range(0, kMaxWavefrontSlots), "paths that are traced at a time; 0: as fits devices of this class");
+    v.field("wavefront.connect", s.wavefront_connect, choices({"each_bounce", "once"}),
+            "when shadow rays are traced: in every bounce, or once after as many as wavefront.memory_mb allows");
+    v.field("wavefront.dispatch", s.wavefront_dispatch, choices({"indirect", "full"}),
+            "work sizes from the GPU, or every kernel over all slots (document 003)");
+    v.field("wavefront.classes", s.wavefront_classes, choices({"off", "on"}), "one kernel of Shade for each class of materials, or one for all");
+    v.field("wavefront.memory_mb", s.wavefront_memory_mb, range(1, 1 << 20), "most that what waits for wavefront.connect=once may take");
     v.field("sky.sun_elevation", s.sun_elevation, range(-18, 90), "degrees of the clear sky's sun above the horizon");
     v.field("sky.sun_azimuth", s.sun_azimuth, range(-360, 360), "degrees of the clear sky's sun from +Z towards +X");
+}
+
+inline WavefrontOptions wavefront_options(const RenderSettings& s) {
+    return {.slots = s.wavefront_slots,
+            .connect = s.wavefront_connect,
+            .dispatch = s.wavefront_dispatch,
+            .classes = s.wavefront_classes == Switch::On,
+            .memory_bytes = uint64_t{s.wavefront_memory_mb} << 20};
 }
 
 inline SkyOptions sky_options(const RenderSettings& s) {

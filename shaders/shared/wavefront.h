@@ -1,0 +1,120 @@
+// The state of the wavefront path tracer: paths in slots, queues of slots, what Shade left for Connect and Finalize. Document 003.
+#ifndef PARHELION_SHARED_WAVEFRONT_H
+#define PARHELION_SHARED_WAVEFRONT_H
+#include "shared/reference.h"
+SHARED_BEGIN
+
+// What a path met, by the kernel that shades it.
+SHARED_CONST uint kClassMiss = 0u;
+SHARED_CONST uint kClassEmitter = 1u;       // it only emits (KHR_materials_unlit)
+SHARED_CONST uint kClassPlain = 2u;         // metal-rough
+SHARED_CONST uint kClassCoated = 3u;        // with a clear coat or sheen
+SHARED_CONST uint kClassTransmissive = 4u;
+SHARED_CONST uint kClassCount = 5u;
+
+// Lists of slots, and where they lie: each in a place of its own of one array, but for pairs of which the second fills a place from
+// its end (no slot is in both). Without classes Shade reads the rays that Extend read while it lists the next ones elsewhere.
+SHARED_CONST uint kListRays = 0u;
+SHARED_CONST uint kListOtherRays = 1u;
+SHARED_CONST uint kListEnded = 2u;    // slots whose path is over: Generate gives them their next sample
+SHARED_CONST uint kListShadows = 3u;  // entries of vertices
+SHARED_CONST uint kListClasses = 4u;  // kClassCount of them
+SHARED_CONST uint kListCount = 9u;
+
+// One slot's ray, 32 bytes.
+struct WavefrontRay {
+    vec3 origin_ws;
+    uint alpha_key;
+    vec3 direction_ws;
+    uint bits;  // kPath...
+};
+
+// WavefrontRay::bits and WavefrontVertex::bits
+SHARED_CONST uint kPathBounces = 0xFFFFFFu;  // scatterings before this ray
+SHARED_CONST uint kPathTransmitted = 1u << 24;
+SHARED_CONST uint kPathSampleShift = 25u;    // of a ray: which sample of the slice, 6 bits
+SHARED_CONST uint kVertexExists = 1u << 25;  // of a vertex
+SHARED_CONST uint kVertexEvent = 1u << 26;   // it asked for light
+SHARED_CONST uint kVertexEnds = 1u << 27;    // the path's last
+
+// Which triangle, 12 bytes: the surface is recomputed from it.
+struct WavefrontHit {
+    uint instance_bits, geometry, primitive;
+};
+
+// PathState, but for its ray: 16 bytes.
+struct WavefrontPath {
+    vec3 throughput;
+    float pdf;
+};
+
+// What only scenes with LAYERS, and ray cones, add to it: 32 bytes.
+struct WavefrontExtra {
+    uvec4 media;
+    float travelled, radiance_scale;
+    float cone_width, cone_spread;
+};
+
+// What a slot's sample has gathered so far, and where it goes: 16 bytes.
+struct WavefrontSlot {
+    vec3 radiance;
+    uint pixel;  // of the film; kNoPixel: none yet
+};
+SHARED_CONST uint kNoPixel = 0xFFFFFFFFu;
+
+// One vertex of a path, 32 bytes: entry number * slot_count + slot, the number counted from the last Connect.
+struct WavefrontVertex {
+    vec3 arriving;
+    uint bits;
+    vec3 sampled;  // what its shadow ray adds: if that is free before Connect, after it what is left
+    uint pixel;
+};
+
+// Its shadow ray, 32 bytes.
+struct WavefrontShadowRay {
+    vec3 origin_ws;
+    float t_max;
+    vec3 direction_ws;
+    uint alpha_key;
+};
+
+// Kept beside it where the light is split by path class (the layers path.*): 48 bytes.
+struct WavefrontSplit {
+    vec3 diffuse_share;  // of the path that came here
+    vec3 diffuse, specular, transmission;  // of the sampled light
+};
+
+// Bounces that the statistics tell apart; the last one counts all further ones too.
+SHARED_CONST uint kCountedBounces = 32u;
+
+struct WavefrontControl {
+    // Set when a slice begins.
+    Slice slice;
+    uint pixel_count;  // of the slice
+    uint slot_count;
+    uint shadow_capacity;  // of the list of shadow rays: one a vertex that can come between two Connects
+    uint split;        // 1: light is kept by path class
+    // Since the slice began.
+    uint next_pixel;             // first that no slot has taken yet
+    uint count[kListCount];      // entries of the lists
+    uint overflow[kListCount];   // entries that found no room
+    // Since they were read last.
+    uint iterations;             // in which a ray was traced
+    uint rays[kCountedBounces][kClassCount];     // that met this class
+    uint shadows[kCountedBounces][kClassCount];  // asked for at it
+};
+
+// Work sizes for vkCmdDispatchIndirect and vkCmdTraceRaysIndirectKHR, one a list, and one for who reads what Extend met.
+SHARED_CONST uint kSizeHits = kListCount;
+SHARED_CONST uint kSizeCount = kListCount + 1u;
+struct WavefrontSize {
+    uint x, y, z;
+};
+
+// When counters turn into work sizes; see prepare.comp.
+SHARED_CONST uint kAfterGenerate = 0u;
+SHARED_CONST uint kAfterSort = 1u;
+SHARED_CONST uint kAfterShade = 2u;
+
+SHARED_END
+#endif

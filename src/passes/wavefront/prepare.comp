@@ -1,0 +1,53 @@
+#version 460
+// Turns the lists' counts into the sizes of the next kernels' work, and empties the lists that they will fill. One thread.
+// Reads and writes: control, rays (of the film: path and shadow rays so far). Writes: sizes.
+#extension GL_GOOGLE_include_directive : require
+#include "wavefront/state.glsl"
+
+layout(local_size_x = 1) in;
+layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Sizes { WavefrontSize v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer RayCounts { uint v[]; };
+layout(push_constant, scalar) uniform Push {
+    Control control;
+    Sizes sizes;
+    RayCounts rays;
+    uint stage;               // kAfter...
+    uint ray_list, next_ray_list;
+    uint round_begins, round_ends;  // no shadow ray waits for Connect yet; all are there
+    uint tracing_group, row;        // invocations of a group of the tracing kernels; most groups in one row
+} push;
+
+void set_size(uint size, uint list, uint group) {
+    const uint groups = (push.control.v.count[list] + group - 1u) / group, x = min(groups, push.row);
+    push.sizes.v[size] = WavefrontSize(x, x == 0u ? 1u : (groups + x - 1u) / x, 1u);
+}
+
+// 64 bits in two words.
+void add_rays(uint kind, uint count) {
+    const uint before = push.rays.v[2u * kind];
+    push.rays.v[2u * kind] = before + count;
+    if (before + count < before) push.rays.v[2u * kind + 1u] += 1u;
+}
+
+void main() {
+    const uint kComputeGroup = 64u;
+    if (push.stage == kAfterGenerate) {
+        push.control.v.count[kListEnded] = 0u;
+        for (uint i = 0u; i < kClassCount; ++i) push.control.v.count[kListClasses + i] = 0u;
+        if (push.round_begins != 0u) push.control.v.count[kListShadows] = 0u;
+        const uint count = push.control.v.count[push.ray_list];
+        push.control.v.iterations += uint(count != 0u);
+        add_rays(kRayPath, count);
+        set_size(push.ray_list, push.ray_list, push.tracing_group);
+        set_size(kSizeHits, push.ray_list, kComputeGroup);
+    } else if (push.stage == kAfterSort) {
+        push.control.v.count[push.next_ray_list] = 0u;
+        for (uint i = 0u; i < kClassCount; ++i) set_size(kListClasses + i, kListClasses + i, kComputeGroup);
+    } else {
+        const uint count = min(push.control.v.count[kListShadows], push.control.v.shadow_capacity);
+        push.control.v.count[kListShadows] = count;
+        if (push.round_ends != 0u) add_rays(kRayShadow, count);
+        set_size(kListEnded, kListEnded, kComputeGroup);
+        set_size(kListShadows, kListShadows, push.tracing_group);
+    }
+}

@@ -1,0 +1,161 @@
+#version 460
+// Shades vertices of one class of materials, or of all: what arrives there, which light it asks for, where the path goes on.
+// Reads: scene, view, hits. Reads and writes: block (what is known of first surfaces), control, lists (a class or the rays, to rays
+// and Ended), shadow_list, rays, paths, extras, slots, vertices, shadow_rays, splits. Documents 002, 003.
+// variants: MISS EMITTER PLAIN RAY_CONES EMITTER+RAY_CONES PLAIN+RAY_CONES LAYERS MISS+LAYERS EMITTER+LAYERS PLAIN+LAYERS COATED+LAYERS TRANSMISSIVE+LAYERS LAYERS+RAY_CONES EMITTER+LAYERS+RAY_CONES PLAIN+LAYERS+RAY_CONES COATED+LAYERS+RAY_CONES TRANSMISSIVE+LAYERS+RAY_CONES
+// optimised variants
+#extension GL_GOOGLE_include_directive : require
+#include "shared/scene.h"
+#if defined(EMITTER)
+#define ABSENT_MATERIAL_FLAGS (kMaterialTransmits | kMaterialThin | kMaterialCoated | kMaterialSheen)
+#elif defined(PLAIN)
+#define ABSENT_MATERIAL_FLAGS (kMaterialTransmits | kMaterialThin | kMaterialCoated | kMaterialSheen | kMaterialUnlit)
+#elif defined(COATED)
+#define ABSENT_MATERIAL_FLAGS (kMaterialTransmits | kMaterialThin | kMaterialUnlit)
+#endif
+#include "scene/film.glsl"
+#include "scene/vertex.glsl"
+#include "wavefront/classes.glsl"
+#include "wavefront/linear.glsl"
+#include "wavefront/lists.glsl"
+#include "wavefront/paths.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Hits { WavefrontHit v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer ShadowList { uint v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer ShadowRays { WavefrontShadowRay v[]; };
+layout(push_constant, scalar) uniform Push {
+    ViewBlock view;
+    FilmBlock block;
+    Control control;
+    Lists lists;
+    ShadowList shadow_list;
+    Rays rays;
+    Hits hits;
+    Paths paths;
+    Extras extras;
+    Slots slots;
+    Vertices vertices;
+    ShadowRays shadow_rays;
+    Splits splits;
+    uint list, next_ray_list;
+    uint round, round_length;  // vertices of a slot since the last Connect, and until the next
+} push;
+
+// Counts of this work group, by bounce and class.
+shared uint group_rays[kCountedBounces * kClassCount], group_shadows[kCountedBounces * kClassCount];
+
+VertexResult vertex_of(ViewData view, PathKey key, WavefrontHit met, inout PathState path, inout FirstHit first) {
+#if defined(MISS)
+    return end_in_sky(view, path, first);
+#else
+#if defined(EMITTER)
+    view.max_bounces = 0u;  // nothing is scattered here
+#elif !defined(PLAIN) && !defined(COATED) && !defined(TRANSMISSIVE)
+    if (met.instance_bits == kHitMiss) return end_in_sky(view, path, first);
+#endif
+    return shade_vertex(view, key, Hit(met.instance_bits, met.geometry, met.primitive, 0u, 0.0), path, first);
+#endif
+}
+
+uint class_here(WavefrontHit met) {
+#if defined(MISS)
+    return kClassMiss;
+#elif defined(EMITTER)
+    return kClassEmitter;
+#elif defined(PLAIN)
+    return kClassPlain;
+#elif defined(COATED)
+    return kClassCoated;
+#elif defined(TRANSMISSIVE)
+    return kClassTransmissive;
+#else
+    return class_of(met);
+#endif
+}
+
+// Keeps the light of the vertex by path class too.
+void keep_split(uint slot, uint entry, PathClass before, PathState path, VertexResult vertex) {
+    const uint carried = push.round_length * push.control.v.slot_count + slot;  // the path's diffuse share, from one vertex to the next
+    const BsdfValue sampled = vertex.event.exists ? vertex.event.value : kNoBsdfValue;
+    const vec3 share = push.splits.v[carried].diffuse_share;
+    push.splits.v[entry] = WavefrontSplit(share, sampled.diffuse, sampled.specular, sampled.transmission);
+    if (before.bounce == 0u && path.path_class.bounce == 1u) push.splits.v[carried].diffuse_share = path.path_class.diffuse_share;
+}
+
+// What the vertex leaves for Connect and Finalize.
+void keep_vertex(uint slot, uint entry, PathClass before, VertexResult vertex) {
+    const uint bits = pack_bits(before, 0u) | kVertexExists | (vertex.event.exists ? kVertexEvent : 0u) | (vertex.goes_on ? 0u : kVertexEnds);
+    const vec3 sampled = vertex.event.exists ? total(vertex.event.value) : vec3(0.0);
+    push.vertices.v[entry] = WavefrontVertex(vertex.arriving, bits, sampled, push.slots.v[slot].pixel);
+    if (!vertex.event.exists) return;
+    const Ray ray = vertex.event.ray;
+    push.shadow_rays.v[entry] = WavefrontShadowRay(ray.origin_ws, ray.t_max, ray.direction_ws, ray.alpha_key);
+}
+
+// True: what is known of the first surface is known now; every path has one such vertex.
+bool tells_first_hit(PathClass before, PathState path, VertexResult vertex) {
+    const bool seen_before = before.bounce != 0u || before.transmitted;
+    const bool seen_later = vertex.goes_on && path.path_class.bounce == 0u && !path.path_class.transmitted;
+    return !seen_before && !seen_later;
+}
+
+VertexResult shade(uint slot, WavefrontHit met, uint entry, out uint bounce) {
+    const ViewData view = push.view.data;
+    const WavefrontRay ray = push.rays.v[slot];
+    const uint pixel = push.slots.v[slot].pixel, sample_offset = ray.bits >> kPathSampleShift;
+    WavefrontExtra extra = kNoExtra;
+    if (kHasExtra) extra = push.extras.v[slot];
+    PathState path = unpack_path(ray, push.paths.v[slot], extra);
+    const PathClass before = path.path_class;
+    bounce = before.bounce;
+    FirstHit first = FirstHit(vec3(0.0), vec3(0.0), vec3(0.0), 0.0);
+    const VertexResult vertex = vertex_of(view, slot_key(view, push.control, pixel, sample_offset), met, path, first);
+    if (tells_first_hit(before, path, vertex)) film_add_first_hit(push.block, view, pixel, first);
+    keep_vertex(slot, entry, before, vertex);
+    if (push.control.v.split != 0u) keep_split(slot, entry, before, path, vertex);
+    if (vertex.goes_on) {
+        push.rays.v[slot] = pack_ray(path, sample_offset);
+        push.paths.v[slot] = WavefrontPath(path.throughput, path.pdf);
+        if (kHasExtra) push.extras.v[slot] = pack_extra(path);
+    }
+    return vertex;
+}
+
+void clear_counts() {
+    for (uint c = gl_LocalInvocationIndex; c < kCountedBounces * kClassCount; c += gl_WorkGroupSize.x) group_rays[c] = group_shadows[c] = 0u;
+    barrier();
+}
+
+void add_counts() {
+    barrier();
+    for (uint c = gl_LocalInvocationIndex; c < kCountedBounces * kClassCount; c += gl_WorkGroupSize.x) {
+        if (group_rays[c] == 0u) continue;
+        atomicAdd(push.control.v.rays[c / kClassCount][c % kClassCount], group_rays[c]);
+        if (group_shadows[c] != 0u) atomicAdd(push.control.v.shadows[c / kClassCount][c % kClassCount], group_shadows[c]);
+    }
+}
+
+void main() {
+    clear_counts();
+    const uint i = invocation_index();
+    const bool lives = i < push.control.v.count[push.list];
+    bool goes_on = false, asks = false;
+    uint slot = 0u, entry = 0u;
+    if (lives) {
+        slot = push.lists.v[list_at(push.control, push.list, i)];
+        entry = push.round * push.control.v.slot_count + slot;
+        const WavefrontHit met = push.hits.v[slot];
+        uint bounce;
+        const VertexResult vertex = shade(slot, met, entry, bounce);
+        goes_on = vertex.goes_on;
+        asks = vertex.event.exists;
+        const uint counted = min(bounce, kCountedBounces - 1u) * kClassCount + class_here(met);
+        atomicAdd(group_rays[counted], 1u);
+        if (asks) atomicAdd(group_shadows[counted], 1u);
+    }
+    list_append(push.lists, push.control, push.next_ray_list, goes_on, slot);
+    list_append(push.lists, push.control, kListEnded, lives && !goes_on, slot);
+    const uint shadow = reserve(push.control, kListShadows, push.control.v.shadow_capacity, asks);
+    if (shadow != kNone) push.shadow_list.v[shadow] = entry;
+    add_counts();
+}

@@ -1,0 +1,81 @@
+// The wavefront's device memory, and the two kernels that keep its books.
+#include <algorithm>
+
+#include "passes/wavefront/wavefront.h"
+
+namespace parhelion::passes {
+
+namespace {
+
+// Places of the lists' array (wavefront/lists.glsl): rays, Ended, then other rays or the classes.
+uint32_t list_places(const WavefrontShape& shape) { return shape.classes ? 5 : 3; }
+
+struct BeginPush {
+    uint64_t control, lists, slots, vertices;
+    uint32_t round_length;
+};
+struct PreparePush {
+    uint64_t control, sizes, rays;
+    uint32_t stage, ray_list, next_ray_list, round_begins, round_ends, tracing_group, row;
+};
+
+constexpr uint32_t kGroup = 64;       // of linear kernels
+constexpr uint32_t kRowGroups = 1 << 15;  // below the 65,535 that every device takes
+
+}  // namespace
+
+uint64_t state_bytes(const WavefrontShape& shape) {
+    const uint64_t round = shape.round_length;
+    return sizeof(shared::WavefrontRay) + sizeof(shared::WavefrontHit) + sizeof(shared::WavefrontPath) + sizeof(shared::WavefrontSlot) +
+           (shape.extra ? sizeof(shared::WavefrontExtra) : 0) + list_places(shape) * sizeof(uint32_t) +
+           round * (sizeof(shared::WavefrontVertex) + sizeof(shared::WavefrontShadowRay) + sizeof(uint32_t)) +
+           (shape.split ? (round + 1) * sizeof(shared::WavefrontSplit) : 0);
+}
+
+WavefrontState make_wavefront_state(const gpu::DevicePtr& device, const WavefrontShape& shape) {
+    const uint64_t slots = shape.slots, vertices = slots * shape.round_length;
+    const auto buffer = [&](const char* name, uint64_t count, uint64_t bytes) {
+        return gpu::Buffer(device, std::string("wavefront/") + name, std::max<uint64_t>(count, 1) * bytes);
+    };
+    return {.shape = shape,
+            .control = buffer("control", 1, sizeof(shared::WavefrontControl)),
+            .sizes = buffer("sizes", shared::kSizeCount, sizeof(shared::WavefrontSize)),
+            .lists = buffer("lists", list_places(shape) * slots, sizeof(uint32_t)),
+            .rays = buffer("rays", slots, sizeof(shared::WavefrontRay)),
+            .hits = buffer("hits", slots, sizeof(shared::WavefrontHit)),
+            .paths = buffer("paths", slots, sizeof(shared::WavefrontPath)),
+            .extras = buffer("extras", shape.extra ? slots : 0, sizeof(shared::WavefrontExtra)),
+            .slots = buffer("slots", slots, sizeof(shared::WavefrontSlot)),
+            .vertices = buffer("vertices", vertices, sizeof(shared::WavefrontVertex)),
+            .shadow_rays = buffer("shadow_rays", vertices, sizeof(shared::WavefrontShadowRay)),
+            .shadow_list = buffer("shadow_list", vertices, sizeof(uint32_t)),
+            .splits = buffer("splits", shape.split ? vertices + slots : 0, sizeof(shared::WavefrontSplit))};
+}
+
+void begin_wavefront(Frame& frame, const WavefrontState& state) {
+    frame.compute("wavefront/begin")
+        .read_write("control", state.control)
+        .read_write("lists", state.lists)
+        .read_write("slots", state.slots)
+        .read_write("vertices", state.vertices)
+        .push(BeginPush{.round_length = state.shape.round_length})
+        .over(state.shape.slots);
+}
+
+void prepare_wavefront(const WavefrontPass& pass, uint32_t stage) {
+    const uint32_t tracing_group = pass.way == gpu::TraceWay::Pipeline ? 1 : kGroup;
+    pass.frame.compute("wavefront/prepare")
+        .read_write("control", pass.state.control)
+        .write("sizes", pass.state.sizes)
+        .read_write("rays", pass.film.rays)
+        .push(PreparePush{.stage = stage,
+                          .ray_list = pass.ray_list,
+                          .next_ray_list = pass.next_ray_list,
+                          .round_begins = pass.round == 0,
+                          .round_ends = pass.round + 1 == pass.state.shape.round_length,
+                          .tracing_group = tracing_group,
+                          .row = kRowGroups})
+        .over(1);
+}
+
+}  // namespace parhelion::passes

@@ -1,0 +1,144 @@
+#include "renderers/wavefront.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "gpu/device_class.h"
+#include "shared/scene.h"
+
+namespace parhelion {
+
+namespace {
+
+// More passes than these have no timers (Frame), and a frame of many empty rounds at the end of a slice is wasted.
+constexpr uint32_t kMaxIterations = 32;
+
+uint64_t sum(const std::array<uint64_t, shared::kClassCount>& counts) {
+    uint64_t total = 0;
+    for (const uint64_t count : counts) total += count;
+    return total;
+}
+
+bool splits_light(const View& view) {
+    return std::ranges::any_of(view.channels(), [](const std::string& channel) { return channel.starts_with("path."); });
+}
+
+}  // namespace
+
+uint64_t WavefrontStats::rays_at(size_t bounce) const { return sum(rays.at(bounce)); }
+uint64_t WavefrontStats::shadows_at(size_t bounce) const { return sum(shadows.at(bounce)); }
+
+Wavefront::Wavefront(gpu::DevicePtr device, const WavefrontOptions& options) : device_(std::move(device)), options_(options) {
+    const gpu::DeviceCaps& caps = device_->caps();
+    if (!caps.subgroup_ballot)
+        throw Error(ErrorCode::MissingFeature, "the wavefront needs subgroup ballots in compute shaders, which the device lacks", escape_name(caps.name), "use --renderer reference");
+    if (options_.slots > kMaxWavefrontSlots)
+        throw Error(ErrorCode::Usage, fmt::format("{} are more than {}", options_.slots, kMaxWavefrontSlots), "wavefront.slots");
+    if (options_.slots == 0) options_.slots = gpu::device_class(caps).wavefront_slots;
+}
+
+passes::WavefrontShape Wavefront::shape(const SceneGpu& scene, const View& view) const {
+    const uint64_t pixels = uint64_t{view.film().width} * view.film().height;
+    const bool layers = (scene.features() & shared::kSceneLayers) != 0, cones = view.desc().texture_lod == TextureLod::Cone;
+    passes::WavefrontShape shape{.slots = static_cast<uint32_t>(std::min<uint64_t>(options_.slots, pixels)),
+                                 .classes = options_.classes,
+                                 .indirect = options_.dispatch == WavefrontDispatch::Indirect,
+                                 .extra = layers || cones,
+                                 .split = splits_light(view)};
+    if (options_.connect == ConnectWhen::EachBounce) return shape;
+    const uint64_t one = passes::state_bytes(shape);
+    shape.round_length = 2;
+    const uint64_t more = passes::state_bytes(shape) - one;  // for another vertex
+    const uint64_t path_length = uint64_t{view.desc().max_bounces} + 1;
+    shape.round_length = static_cast<uint32_t>(std::clamp<uint64_t>(options_.memory_bytes / (more * shape.slots), 1, std::min<uint64_t>(path_length, kMaxIterations)));
+    return shape;
+}
+
+void Wavefront::start(const shared::Slice& slice) {
+    PARHELION_CHECK(!slice_, "a slice is begun before the last one is finished");
+    slice_ = slice;
+    begun_ = false;
+    iteration_ = 0;
+}
+
+// With classes Extend and Sort are done with the rays before Shade lists the next ones; without them the two lists take turns.
+uint32_t Wavefront::ray_list(uint64_t iteration) const {
+    return options_.classes || iteration % 2 == 0 ? shared::kListRays : shared::kListOtherRays;
+}
+
+void Wavefront::begin(Frame& frame, const passes::WavefrontPass& pass) {
+    shared::WavefrontControl control{.slice = *slice_,
+                                     .pixel_count = pass.film.width * slice_->row_count,
+                                     .slot_count = state_.shape.slots,
+                                     .shadow_capacity = options_.shadow_capacity != 0 ? options_.shadow_capacity : state_.shape.slots * state_.shape.round_length,
+                                     .split = state_.shape.split};
+    control.count[shared::kListEnded] = state_.shape.slots;
+    frame.upload(state_.control, 0, std::as_bytes(std::span(&control, 1)));
+    passes::begin_wavefront(frame, state_);
+    passes::prepare_wavefront(pass, shared::kAfterShade);
+    begun_ = true;
+}
+
+void Wavefront::record_round(passes::WavefrontPass pass) {
+    for (pass.round = 0; pass.round < state_.shape.round_length; ++pass.round, ++iteration_) {
+        pass.ray_list = ray_list(iteration_);
+        pass.next_ray_list = ray_list(iteration_ + 1);
+        passes::generate(pass);
+        passes::prepare_wavefront(pass, shared::kAfterGenerate);
+        passes::extend(pass);
+        if (state_.shape.classes) passes::sort_hits(pass);
+        passes::prepare_wavefront(pass, shared::kAfterSort);
+        passes::shade(pass);
+        passes::prepare_wavefront(pass, shared::kAfterShade);
+    }
+    passes::connect(pass);
+    passes::finalize(pass);
+}
+
+void Wavefront::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, View& view) {
+    PARHELION_CHECK(slice_, "no slice is begun");
+    if (!begun_) {
+        begin_slice(frame, scene, way, view, *slice_);
+        const passes::WavefrontShape wanted = shape(scene, view);
+        if (!state_.control || state_.shape != wanted) state_ = passes::make_wavefront_state(device_, wanted);
+    }
+    const passes::WavefrontPass pass{.frame = frame,
+                                     .scene = scene,
+                                     .way = way,
+                                     .film = view.film(),
+                                     .state = state_,
+                                     .ray_cones = view.desc().texture_lod == TextureLod::Cone,
+                                     .ray_list = ray_list(0),
+                                     .next_ray_list = ray_list(0)};
+    if (!begun_) begin(frame, pass);
+    const uint32_t rounds = std::clamp(rounds_per_frame, 1u, std::max(1u, kMaxIterations / state_.shape.round_length));
+    for (uint32_t i = 0; i < rounds; ++i) record_round(pass);
+    control_copy_ = frame.read_back(state_.control);
+}
+
+bool Wavefront::advance(double seconds, double target_seconds) {
+    const shared::WavefrontControl& control = control_copy_.mapped_as<shared::WavefrontControl>().front();
+    constexpr std::string_view kNames[] = {"rays", "other rays", "ended paths", "shadow rays", "misses", "emitters", "plain surfaces", "coated surfaces", "transmissive surfaces"};
+    for (uint32_t list = 0; list < shared::kListCount; ++list)
+        if (control.overflow[list] != 0)
+            throw Error(ErrorCode::Failed, fmt::format("the wavefront's list of {} was too short for {} entries", kNames[list], control.overflow[list]), "--renderer wavefront",
+                        "this is a mistake in the program; --renderer reference draws the same picture");
+    const double wanted = rounds_per_frame * target_seconds / std::max(seconds, 1e-6);
+    rounds_per_frame = static_cast<uint32_t>(std::clamp(wanted, 1.0, 4.0 * rounds_per_frame));
+    if (control.count[ray_list(iteration_)] != 0 || control.count[shared::kListEnded] != 0) return false;
+
+    for (size_t bounce = 0; bounce < shared::kCountedBounces; ++bounce)
+        for (size_t c = 0; c < shared::kClassCount; ++c) {
+            stats_.rays[bounce][c] += control.rays[bounce][c];
+            stats_.shadows[bounce][c] += control.shadows[bounce][c];
+        }
+    stats_.iterations += control.iterations;
+    stats_.slot_iterations += uint64_t{control.iterations} * state_.shape.slots;
+    stats_.slots = state_.shape.slots;
+    stats_.round_length = state_.shape.round_length;
+    stats_.state_bytes = passes::state_bytes(state_.shape);
+    slice_.reset();
+    return true;
+}
+
+}  // namespace parhelion

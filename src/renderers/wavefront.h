@@ -1,0 +1,73 @@
+#pragma once
+// The wavefront path tracer: the reference's samples drawn by a chain of small kernels over lists of paths. Document 003; Laine et al.
+// 2013, "Megakernels Considered Harmful".
+#include <array>
+#include <optional>
+
+#include "passes/wavefront/wavefront.h"
+#include "renderers/slice.h"
+
+namespace parhelion {
+
+enum class ConnectWhen : uint32_t { EachBounce, Once };  // shadow rays: inside the bounce loop, or after as many bounces as memory allows
+enum class WavefrontDispatch : uint32_t { Indirect, Full };
+
+// Pictures do not depend on these.
+struct WavefrontOptions {
+    uint32_t slots = 0;  // paths at a time; 0: as fits devices of this class. Never more than the slice has pixels
+    ConnectWhen connect = ConnectWhen::EachBounce;
+    WavefrontDispatch dispatch = WavefrontDispatch::Indirect;
+    bool classes = true;           // a kernel of Shade for each class of materials
+    uint64_t memory_bytes = 1ull << 30;  // most that what waits for Connect may take; Connect runs early where it would be more
+    uint32_t shadow_capacity = 0;  // tests: room in the list of shadow rays; 0: for all that can come
+};
+constexpr uint32_t kMaxWavefrontSlots = 1u << 22;
+
+// What happened, by number of scatterings before the ray; the last row counts all later ones too.
+struct WavefrontStats {
+    std::array<std::array<uint64_t, shared::kClassCount>, shared::kCountedBounces> rays{}, shadows{};  // by what the ray met
+    uint64_t iterations = 0;       // of the machine
+    uint64_t slot_iterations = 0;  // rays that it could have traced in them
+    uint32_t slots = 0, round_length = 0;
+    uint64_t state_bytes = 0;      // of one slot
+
+    uint64_t rays_at(size_t bounce) const;
+    uint64_t shadows_at(size_t bounce) const;
+};
+
+// The machine: draws a slice in as many frames as it takes.
+class Wavefront {
+public:
+    // Throws MissingFeature if the device has no subgroup ballots, a usage Error for slots beyond kMaxWavefrontSlots.
+    Wavefront(gpu::DevicePtr device, const WavefrontOptions& options);
+
+    // The slice to draw next; the one before must be finished.
+    void start(const shared::Slice& slice);
+    // Records some iterations of the running slice. Only records: no submit, no wait. The scene must be drawable.
+    void record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, View& view);
+    // After that frame has run, in so many seconds: true if the slice is finished. Frames grow or shrink to about `target_seconds`.
+    // Throws Error if a list overflowed: then samples are lost.
+    bool advance(double seconds, double target_seconds = 0.06);
+
+    uint32_t slots() const { return options_.slots; }
+    const WavefrontStats& stats() const { return stats_; }
+    const passes::WavefrontState& state() const { return state_; }
+    uint32_t rounds_per_frame = 1;  // a round: iterations from one Connect to the next
+
+private:
+    passes::WavefrontShape shape(const SceneGpu& scene, const View& view) const;
+    void begin(Frame& frame, const passes::WavefrontPass& pass);
+    void record_round(passes::WavefrontPass pass);
+    uint32_t ray_list(uint64_t iteration) const;
+
+    gpu::DevicePtr device_;
+    WavefrontOptions options_;
+    passes::WavefrontState state_;
+    std::optional<shared::Slice> slice_;
+    bool begun_ = false;
+    uint64_t iteration_ = 0;  // of the slice
+    gpu::Buffer control_copy_;
+    WavefrontStats stats_;
+};
+
+}  // namespace parhelion
