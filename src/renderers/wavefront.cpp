@@ -19,6 +19,13 @@ uint64_t sum(const std::array<uint64_t, shared::kClassCount>& counts) {
     return total;
 }
 
+// Long enough that a slot seldom comes to a pixel whose last visit is not yet in the film: that takes a round and a long path.
+uint32_t visit_length(const passes::WavefrontShape& shape, uint64_t pixels) {
+    constexpr uint64_t kLongPath = 8, kShortPath = 2;
+    const uint64_t between = shape.slots * (shape.round_length + kLongPath);
+    return static_cast<uint32_t>(std::clamp<uint64_t>((between + pixels * kShortPath - 1) / (pixels * kShortPath), 1, shared::kSamplesPerBlock));
+}
+
 bool splits_light(const View& view) {
     return std::ranges::any_of(view.channels(), [](const std::string& channel) { return channel.starts_with("path."); });
 }
@@ -65,8 +72,10 @@ void Wavefront::begin(Frame& frame, const passes::Film& film) {
                                      .pixel_count = film.width * slice_->row_count,
                                      .slot_count = state_.shape.slots,
                                      .shadow_capacity = options_.shadow_capacity != 0 ? options_.shadow_capacity : state_.shape.slots * state_.shape.round_length,
-                                     .split = state_.shape.split};
+                                     .split = state_.shape.split,
+                                     .visit = visit_length(state_.shape, uint64_t{film.width} * slice_->row_count)};
     paths_ = uint64_t{control.pixel_count} * slice_->sample_count;
+    PARHELION_CHECK(paths_ < 1ull << 31, "a slice of {} paths", paths_);
     frame.upload(state_.control, 0, std::as_bytes(std::span(&control, 1)));
     passes::begin_wavefront(frame, state_);
     begun_ = true;
@@ -93,7 +102,8 @@ void Wavefront::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, V
     if (!begun_) {
         begin_slice(frame, scene, way, view, *slice_);
         const passes::WavefrontShape wanted = shape(scene, view);
-        if (!state_.control || state_.shape != wanted) state_ = passes::make_wavefront_state(device_, wanted);
+        const uint64_t pixels = uint64_t{view.film().width} * view.film().height;
+        if (!state_.control || state_.shape != wanted || state_.finished.bytes() != pixels * sizeof(uint32_t)) state_ = passes::make_wavefront_state(device_, wanted, pixels);
     }
     const passes::WavefrontPass pass{.frame = frame,
                                      .scene = scene,

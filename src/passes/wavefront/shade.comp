@@ -118,13 +118,20 @@ void clear_counts() {
 }
 
 void add_counts() {
-    barrier();
     for (uint c = gl_LocalInvocationIndex; c < kCounts; c += gl_WorkGroupSize.x) {
         if (group_rays[c] == 0u) continue;
         const uint bounce = c / kClassesHere, met = kClassesHere == 1u ? push.list - kListClasses : c % kClassesHere;
         atomicAdd(push.control.v.rays[bounce][met], group_rays[c]);
         if (group_shadows[c] != 0u) atomicAdd(push.control.v.shadows[bounce][met], group_shadows[c]);
     }
+}
+
+// Lists the entries whose shadow rays wait for Connect.
+void ask(bool asks, uint entry) {
+    const uint capacity = push.control.v.shadow_capacity, before = count_bins(asks ? 0u : kNone, 1u);
+    if (gl_LocalInvocationIndex == 0u) bin_first[0] = reserve(push.control, kListShadows, capacity, bin_count[0]);
+    barrier();
+    if (asks && bin_first[0] + before < capacity) push.shadow_list.v[bin_first[0] + before] = entry;
 }
 
 void main() {
@@ -139,13 +146,12 @@ void main() {
         const WavefrontHit met = push.hits.v[slot];
         uint bounce;
         const VertexResult vertex = shade(slot, met, entry, bounce);
-        push.status.v[slot] = vertex.goes_on ? kSlotLives : kSlotWaits;
+        push.status.v[slot] = vertex.goes_on ? kSlotLives : kSlotFree;
         asks = vertex.event.exists;
         const uint counted = min(bounce, kCountedBounces - 1u) * kClassesHere + (kClassesHere == 1u ? 0u : class_of(met));
         atomicAdd(group_rays[counted], 1u);
         if (asks) atomicAdd(group_shadows[counted], 1u);
     }
-    const uint shadow = reserve(push.control, kListShadows, push.control.v.shadow_capacity, asks);
-    if (shadow != kNone) push.shadow_list.v[shadow] = entry;
+    ask(asks, entry);
     add_counts();
 }
