@@ -18,6 +18,10 @@ SHARED_CONST uint kListRays = 0u;
 SHARED_CONST uint kListShadows = 1u;  // entries of vertices
 SHARED_CONST uint kListClasses = 2u;  // kClassCount of them
 SHARED_CONST uint kListCount = 7u;
+// Two more counters: visits that were taken, slots that wait.
+SHARED_CONST uint kCountVisits = kListCount;
+SHARED_CONST uint kCountWaiting = kListCount + 1u;
+SHARED_CONST uint kCounterCount = kListCount + 2u;
 
 // What a slot is about.
 SHARED_CONST uint kSlotFree = 0u;     // Generate gives it a sample
@@ -102,9 +106,7 @@ struct WavefrontControl {
     uint split;        // 1: light is kept by path class
     uint visit;        // samples of a pixel that a slot draws one after another
     // Since the slice began.
-    uint next_visit;             // first that no slot has taken: all pixels' first samples, then all their next ...
-    uint waiting;                // slots
-    uint count[kListCount];      // entries of the lists
+    uint count[kCounterCount];   // entries of the lists; visits: all pixels' first samples, then all their next ...
     uint overflow[kListCount];   // entries that found no room
     uint live;                   // slots that had a ray or waited in the last iteration
     uint iterations;             // in which a ray was traced

@@ -41,14 +41,17 @@ Wavefront::Wavefront(gpu::DevicePtr device, const WavefrontOptions& options) : d
         throw Error(ErrorCode::MissingFeature, "the wavefront needs subgroup ballots in compute shaders, which the device lacks", escape_name(caps.name), "use --renderer reference");
     if (options_.slots > kMaxWavefrontSlots)
         throw Error(ErrorCode::Usage, fmt::format("{} are more than {}", options_.slots, kMaxWavefrontSlots), "wavefront.slots");
-    if (options_.slots == 0) options_.slots = gpu::device_class(caps).wavefront_slots;
+    if (options_.slots != 0) return;
+    // With all that it may hold a slot takes some 300 bytes; an eighth of the device's memory is left to it.
+    constexpr uint64_t kSlotBytes = 300, kShare = 8;
+    options_.slots = static_cast<uint32_t>(std::clamp<uint64_t>(caps.memory_bytes / (kShare * kSlotBytes), 1, gpu::device_class(caps).wavefront_slots));
 }
 
 passes::WavefrontShape Wavefront::shape(const SceneGpu& scene, const View& view) const {
     const uint64_t pixels = uint64_t{view.film().width} * view.film().height;
     const bool layers = (scene.features() & shared::kSceneLayers) != 0, cones = view.desc().texture_lod == TextureLod::Cone;
     passes::WavefrontShape shape{.slots = static_cast<uint32_t>(std::min<uint64_t>(options_.slots, pixels)),
-                                 .classes = options_.classes == WavefrontClasses::On || (options_.classes == WavefrontClasses::Auto && layers),
+                                 .classes = options_.classes,
                                  .indirect = options_.dispatch == WavefrontDispatch::Indirect,
                                  .extra = layers || cones,
                                  .split = splits_light(view)};
@@ -59,6 +62,12 @@ passes::WavefrontShape Wavefront::shape(const SceneGpu& scene, const View& view)
     const uint64_t path_length = uint64_t{view.desc().max_bounces} + 1;
     shape.round_length = static_cast<uint32_t>(std::clamp<uint64_t>(options_.memory_bytes / (more * shape.slots), 1, std::min<uint64_t>(path_length, kMaxIterations)));
     return shape;
+}
+
+void Wavefront::allocate(const SceneGpu& scene, const View& view) {
+    const passes::WavefrontShape wanted = shape(scene, view);
+    const uint64_t pixels = uint64_t{view.film().width} * view.film().height;
+    if (!state_.control || state_.shape != wanted || state_.finished.bytes() != pixels * sizeof(uint32_t)) state_ = passes::make_wavefront_state(device_, wanted, pixels);
 }
 
 void Wavefront::start(const shared::Slice& slice) {
@@ -101,9 +110,7 @@ void Wavefront::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, V
     PARHELION_CHECK(slice_, "no slice is begun");
     if (!begun_) {
         begin_slice(frame, scene, way, view, *slice_);
-        const passes::WavefrontShape wanted = shape(scene, view);
-        const uint64_t pixels = uint64_t{view.film().width} * view.film().height;
-        if (!state_.control || state_.shape != wanted || state_.finished.bytes() != pixels * sizeof(uint32_t)) state_ = passes::make_wavefront_state(device_, wanted, pixels);
+        allocate(scene, view);
     }
     const passes::WavefrontPass pass{.frame = frame,
                                      .scene = scene,

@@ -5,6 +5,7 @@
 // pixels; one begins when all samples of its pixel before it are in the film.
 // Reads: scene, view, finished. Reads and writes: control, lists (rays), status, rays, paths, extras, slots.
 // variants: LAYERS RAY_CONES LAYERS+RAY_CONES
+// optimised variants
 #extension GL_GOOGLE_include_directive : require
 #include "scene/begin_path.glsl"
 #include "wavefront/linear.glsl"
@@ -32,16 +33,9 @@ uint pixel_of(ViewData view, Slice slice, uint index) {
 
 // The next visit for every invocation that wants one: pixel of the slice and its first sample; kNoPixel where there is none left.
 uvec2 take_visit(bool wanted) {
-    const uint before = count_bins(wanted ? 0u : kNone, 1u);
-    if (gl_LocalInvocationIndex == 0u && bin_count[0] != 0u) bin_first[0] = atomicAdd(push.control.v.next_visit, bin_count[0]);
-    barrier();
-    const uint index = bin_first[0] + before, pixels = push.control.v.pixel_count, first_sample = index / pixels * push.control.v.visit;
+    const uint index = reserve(push.control, kCountVisits, bin_if(wanted), 1u);
+    const uint pixels = push.control.v.pixel_count, first_sample = index / pixels * push.control.v.visit;
     return wanted && first_sample < push.control.v.slice.sample_count ? uvec2(index % pixels, first_sample) : uvec2(kNoPixel, 0u);
-}
-
-void count_waiting(bool waits) {
-    count_bins(waits ? 0u : kNone, 1u);
-    if (gl_LocalInvocationIndex == 0u && bin_count[0] != 0u) atomicAdd(push.control.v.waiting, bin_count[0]);
 }
 
 void begin_sample(uint slot, uint pixel, uint sample_offset) {
@@ -84,7 +78,7 @@ void main() {
         status = kSlotLives;
     } else if (before == kSlotWaits) status = begin_visit(slot, pixel, sample_offset);
     else if (before == kSlotFree) status = begin_visit(slot, visit.x, visit.y);
-    const bool begins = status == kSlotLives && before != kSlotLives;
-    list_append_in_order(push.lists, push.control, kListRays, begins ? 0u : status == kSlotLives ? 1u : kNone, slot);
-    count_waiting(status == kSlotWaits);
+    list_append(push.lists, push.control, kListRays, bin_if(status == kSlotLives && before != kSlotLives), 1u, slot);
+    list_append(push.lists, push.control, kListRays, bin_if(before == kSlotLives), 1u, slot);
+    reserve(push.control, kCountWaiting, bin_if(status == kSlotWaits), 1u);
 }

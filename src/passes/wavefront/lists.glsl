@@ -1,5 +1,4 @@
-// Lists of slots. A work group appends with one atomic on the list's count: one a subgroup, thousands of them on one word, take longer
-// than the kernels that list.
+// Lists of slots, and how many invocations at once append to them.
 #ifndef PARHELION_WAVEFRONT_LISTS_GLSL
 #define PARHELION_WAVEFRONT_LISTS_GLSL
 #include "shared/scene.h"
@@ -18,54 +17,59 @@ uint list_at(Control control, uint list, uint i) {
     return kListPlace[list] * capacity + (kListFromEnd[list] ? capacity - 1u - i : i);
 }
 
-const uint kMaxBins = kClassCount;
-shared uint bin_count[kMaxBins], bin_first[kMaxBins];
+// Each invocation with a bin below `bins` gets a number of its own from counter `first` + bin. Every invocation of the work group calls
+// it. A subgroup asks the counter once; where subgroups come by the ten thousand (GPUs), that many atomics on one word take longer than
+// the kernels, so a work group asks once: a CPU device is several times faster without its barriers.
+#ifdef FOR_GPU
+shared uint bin_count[kClassCount], bin_first[kClassCount];
 
-// Counts the work group's invocations by bin (those beyond `bins` in none) into bin_count; returns how many of the same bin come
-// before this one. Every invocation of the group calls it.
-uint count_bins(uint bin, uint bins) {
-    barrier();  // whoever still reads the counts of the last call
-    if (gl_LocalInvocationIndex < bins) bin_count[gl_LocalInvocationIndex] = 0u;
+uint reserve(Control control, uint first, uint bin, uint bins) {
+    const uint here = gl_LocalInvocationIndex;
+    barrier();  // whoever still reads the numbers of the last call
+    if (here < bins) bin_count[here] = 0u;
     barrier();
-    uint before = 0u;
+    uint number = 0u;
     for (uint b = 0u; b < bins; ++b) {
         const uvec4 ballot = subgroupBallot(bin == b);
         const uint count = subgroupBallotBitCount(ballot);
         if (count == 0u) continue;
-        uint first = 0u;
-        if (subgroupElect()) first = atomicAdd(bin_count[b], count);
-        first = subgroupBroadcastFirst(first);
-        if (bin == b) before = first + subgroupBallotExclusiveBitCount(ballot);
+        uint before = 0u;
+        if (subgroupElect()) before = atomicAdd(bin_count[b], count);
+        before = subgroupBroadcastFirst(before);
+        if (bin == b) number = before + subgroupBallotExclusiveBitCount(ballot);
     }
     barrier();
-    return before;
-}
-
-// Room for `count` entries in a list, of which those beyond its capacity are lost and counted. By one invocation.
-uint reserve(Control control, uint list, uint capacity, uint count) {
-    if (count == 0u) return 0u;
-    const uint first = atomicAdd(control.v.count[list], count);
-    if (first + count > capacity) atomicAdd(control.v.overflow[list], first + count - max(first, capacity));
-    return first;
-}
-
-// Appends the slots of the invocations that have a bin to the list of that number after `list`.
-void list_append(Lists lists, Control control, uint list, uint bin, uint bins, uint slot) {
-    const uint capacity = control.v.slot_count, before = count_bins(bin, bins);
-    if (gl_LocalInvocationIndex < bins) bin_first[gl_LocalInvocationIndex] = reserve(control, list + gl_LocalInvocationIndex, capacity, bin_count[gl_LocalInvocationIndex]);
+    if (here < bins && bin_count[here] != 0u) bin_first[here] = atomicAdd(control.v.count[first + here], bin_count[here]);
     barrier();
-    if (bin >= bins) return;
-    const uint i = bin_first[bin] + before;
-    if (i < capacity) lists.v[list_at(control, list + bin, i)] = slot;
+    return bin < bins ? bin_first[bin] + number : kNone;
+}
+#else
+uint reserve(Control control, uint first, uint bin, uint bins) {
+    uint number = kNone;
+    for (uint b = 0u; b < bins; ++b) {
+        const uvec4 ballot = subgroupBallot(bin == b);
+        const uint count = subgroupBallotBitCount(ballot);
+        if (count == 0u) continue;
+        uint before = 0u;
+        if (subgroupElect()) before = atomicAdd(control.v.count[first + b], count);
+        before = subgroupBroadcastFirst(before);
+        if (bin == b) number = before + subgroupBallotExclusiveBitCount(ballot);
+    }
+    return number;
+}
+#endif
+
+uint bin_if(bool wanted) { return wanted ? 0u : kNone; }
+
+// True: the list has room for its entry number i; one that is lost is counted.
+bool has_room(Control control, uint list, uint capacity, uint i) {
+    if (i >= capacity) atomicAdd(control.v.overflow[list], 1u);
+    return i < capacity;
 }
 
-// The same for two bins and one list, in which the group's entries of the second come after those of the first.
-void list_append_in_order(Lists lists, Control control, uint list, uint bin, uint slot) {
-    const uint capacity = control.v.slot_count, before = count_bins(bin, 2u);
-    if (gl_LocalInvocationIndex == 0u) bin_first[0] = reserve(control, list, capacity, bin_count[0] + bin_count[1]);
-    barrier();
-    if (bin >= 2u) return;
-    const uint i = bin_first[0] + (bin == 1u ? bin_count[0] : 0u) + before;
-    if (i < capacity) lists.v[list_at(control, list, i)] = slot;
+// Appends the slots of the invocations that have a bin to list `first` + bin.
+void list_append(Lists lists, Control control, uint first, uint bin, uint bins, uint slot) {
+    const uint i = reserve(control, first, bin, bins);
+    if (bin < bins && has_room(control, first + bin, control.v.slot_count, i)) lists.v[list_at(control, first + bin, i)] = slot;
 }
 #endif

@@ -1,6 +1,7 @@
 #version 460
 // Sorts what Extend met into one list for each kernel of Shade.
 // Reads: scene, hits. Reads and writes: control, lists (rays to classes).
+// optimised variants
 #extension GL_GOOGLE_include_directive : require
 #include "wavefront/classes.glsl"
 #include "wavefront/linear.glsl"
