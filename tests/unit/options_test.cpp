@@ -159,7 +159,6 @@ TEST(Options, wrong_usage_is_named_with_what_to_do) {
         {{"a", "--average"}, "--average: it does not fit --renderer reference (use --spp N"},
         {{"a", "--upscale", "2"}, "--upscale: it does not fit --renderer reference"},
         {{"a", "--renderer", "realtime"}, "--renderer: 'realtime' is not built into this version (it has reference)"},
-        {{"a", "--renderer", "wavefront"}, "--renderer: 'wavefront' is not built into this version"},
         {{"a", "--denoise", "oidn"}, "--denoise: 'oidn' is not built into this version (it has none)"},
         {{"a", "--fps", "1"}, "--fps: it is not built into this version"},
         {{"a", "--aov", "albedo,nromal", "--out", "x.exr"}, "--aov: 'nromal' is not a choice (did you mean normal?"},

@@ -38,13 +38,6 @@ std::string variant(const WavefrontPass& pass) {
     return std::string(has_layers(pass) ? "+LAYERS" : "") + (pass.ray_cones ? "+RAY_CONES" : "");
 }
 
-// Over the entries of a list, or over all that it can have.
-void over(const WavefrontPass& pass, Pass& kernel, uint32_t size, uint64_t most) {
-    if (pass.state.shape.indirect) return kernel.over_indirect(pass.state.sizes, size * sizeof(shared::WavefrontSize));
-    constexpr uint64_t kRow = uint64_t{1} << 20;
-    kernel.over(static_cast<uint32_t>(std::min(most, kRow)), static_cast<uint32_t>((most + kRow - 1) / kRow));
-}
-
 void shade_class(const WavefrontPass& pass, const std::string& defines, uint32_t list, uint32_t size) {
     const WavefrontState& state = pass.state;
     Pass kernel = pass.frame.compute("wavefront/shade", defines);
@@ -63,10 +56,20 @@ void shade_class(const WavefrontPass& pass, const std::string& defines, uint32_t
         .write("shadow_rays", state.shadow_rays)
         .read_write("splits", state.splits)
         .push(ShadePush{.list = list, .next_ray_list = pass.next_ray_list, .round = pass.round, .round_length = state.shape.round_length});
-    over(pass, kernel, size, state.shape.slots);
+    over_list(pass, kernel, size, state.shape.slots);
 }
 
 }  // namespace
+
+void over_all(Pass& kernel, uint64_t count) {
+    constexpr uint64_t kRow = uint64_t{1} << 20;
+    kernel.over(static_cast<uint32_t>(std::min(count, kRow)), static_cast<uint32_t>((count + kRow - 1) / kRow));
+}
+
+void over_list(const WavefrontPass& pass, Pass& kernel, uint32_t size, uint64_t most) {
+    if (pass.state.shape.indirect) kernel.over_indirect(pass.state.sizes, size * sizeof(shared::WavefrontSize));
+    else over_all(kernel, most);
+}
 
 void generate(const WavefrontPass& pass) {
     const WavefrontState& state = pass.state;
@@ -80,7 +83,7 @@ void generate(const WavefrontPass& pass) {
         .read_write("extras", state.extras)
         .read_write("slots", state.slots)
         .push(GeneratePush{.ray_list = pass.ray_list});
-    over(pass, kernel, shared::kListEnded, state.shape.slots);
+    over_list(pass, kernel, shared::kListEnded, state.shape.slots);
 }
 
 void extend(const WavefrontPass& pass) {
@@ -93,7 +96,7 @@ void extend(const WavefrontPass& pass) {
         .read("rays", state.rays)
         .write("hits", state.hits)
         .push(ExtendPush{.ray_list = pass.ray_list, .first_entry = place * state.shape.slots});
-    over(pass, kernel, pass.ray_list, state.shape.slots);
+    over_list(pass, kernel, pass.ray_list, state.shape.slots);
 }
 
 void sort_hits(const WavefrontPass& pass) {
@@ -103,7 +106,7 @@ void sort_hits(const WavefrontPass& pass) {
         .read_write("lists", pass.state.lists)
         .read("hits", pass.state.hits)
         .push(SortPush{.ray_list = pass.ray_list});
-    over(pass, kernel, shared::kSizeHits, pass.state.shape.slots);
+    over_list(pass, kernel, shared::kSizeHits, pass.state.shape.slots);
 }
 
 void shade(const WavefrontPass& pass) {
@@ -138,7 +141,7 @@ void connect(const WavefrontPass& pass) {
         .read_write("splits", state.splits)
         .read_write("rays", pass.film.rays)
         .push(ConnectPush{});
-    over(pass, kernel, shared::kListShadows, uint64_t{state.shape.slots} * state.shape.round_length);
+    over_list(pass, kernel, shared::kListShadows, uint64_t{state.shape.slots} * state.shape.round_length);
 }
 
 void finalize(const WavefrontPass& pass) {

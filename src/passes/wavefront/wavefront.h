@@ -43,6 +43,10 @@ struct WavefrontPass {
     uint32_t next_ray_list = 0;
 };
 
+// Ends a kernel over the entries of a list (`size`: shared::kList... or kSizeHits), or over `most`, all that it can have; over so many.
+void over_list(const WavefrontPass& pass, Pass& kernel, uint32_t size, uint64_t most);
+void over_all(Pass& kernel, uint64_t count);
+
 void begin_wavefront(Frame& frame, const WavefrontState& state);
 void prepare_wavefront(const WavefrontPass& pass, uint32_t stage);  // shared::kAfter...
 void generate(const WavefrontPass& pass);
