@@ -12,14 +12,17 @@ SHARED_CONST uint kClassCoated = 3u;        // with a clear coat or sheen
 SHARED_CONST uint kClassTransmissive = 4u;
 SHARED_CONST uint kClassCount = 5u;
 
-// Lists of slots, and where they lie: each in a place of its own of one array, but for pairs of which the second fills a place from
-// its end (no slot is in both). Without classes Shade reads the rays that Extend read while it lists the next ones elsewhere.
+// Lists: each lies in a place of its own of one array, but for pairs of classes of which the second fills a place from its end (no slot
+// is in both); that of shadow rays is an array of its own.
 SHARED_CONST uint kListRays = 0u;
-SHARED_CONST uint kListOtherRays = 1u;
-SHARED_CONST uint kListEnded = 2u;    // slots whose path is over: Generate gives them their next sample
-SHARED_CONST uint kListShadows = 3u;  // entries of vertices
-SHARED_CONST uint kListClasses = 4u;  // kClassCount of them
-SHARED_CONST uint kListCount = 9u;
+SHARED_CONST uint kListShadows = 1u;  // entries of vertices
+SHARED_CONST uint kListClasses = 2u;  // kClassCount of them
+SHARED_CONST uint kListCount = 7u;
+
+// What a slot is about.
+SHARED_CONST uint kSlotWaits = 0u;    // for its next sample: Generate begins it
+SHARED_CONST uint kSlotLives = 1u;    // its path has a next ray
+SHARED_CONST uint kSlotRetires = 2u;  // no pixel is left for it
 
 // One slot's ray, 32 bytes.
 struct WavefrontRay {
@@ -98,7 +101,7 @@ struct WavefrontControl {
     uint next_pixel;             // first that no slot has taken yet
     uint count[kListCount];      // entries of the lists
     uint overflow[kListCount];   // entries that found no room
-    // Since they were read last.
+    uint live;                   // rays of the last iteration
     uint iterations;             // in which a ray was traced
     uint rays[kCountedBounces][kClassCount];     // that met this class
     uint shadows[kCountedBounces][kClassCount];  // asked for at it

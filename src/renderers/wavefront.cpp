@@ -41,7 +41,7 @@ passes::WavefrontShape Wavefront::shape(const SceneGpu& scene, const View& view)
     const uint64_t pixels = uint64_t{view.film().width} * view.film().height;
     const bool layers = (scene.features() & shared::kSceneLayers) != 0, cones = view.desc().texture_lod == TextureLod::Cone;
     passes::WavefrontShape shape{.slots = static_cast<uint32_t>(std::min<uint64_t>(options_.slots, pixels)),
-                                 .classes = options_.classes,
+                                 .classes = options_.classes == WavefrontClasses::On || (options_.classes == WavefrontClasses::Auto && layers),
                                  .indirect = options_.dispatch == WavefrontDispatch::Indirect,
                                  .extra = layers || cones,
                                  .split = splits_light(view)};
@@ -58,37 +58,30 @@ void Wavefront::start(const shared::Slice& slice) {
     PARHELION_CHECK(!slice_, "a slice is begun before the last one is finished");
     slice_ = slice;
     begun_ = false;
-    iteration_ = 0;
 }
 
-// With classes Extend and Sort are done with the rays before Shade lists the next ones; without them the two lists take turns.
-uint32_t Wavefront::ray_list(uint64_t iteration) const {
-    return options_.classes || iteration % 2 == 0 ? shared::kListRays : shared::kListOtherRays;
-}
-
-void Wavefront::begin(Frame& frame, const passes::WavefrontPass& pass) {
+void Wavefront::begin(Frame& frame, const passes::Film& film) {
     shared::WavefrontControl control{.slice = *slice_,
-                                     .pixel_count = pass.film.width * slice_->row_count,
+                                     .pixel_count = film.width * slice_->row_count,
                                      .slot_count = state_.shape.slots,
                                      .shadow_capacity = options_.shadow_capacity != 0 ? options_.shadow_capacity : state_.shape.slots * state_.shape.round_length,
                                      .split = state_.shape.split};
-    control.count[shared::kListEnded] = state_.shape.slots;
+    paths_ = uint64_t{control.pixel_count} * slice_->sample_count;
     frame.upload(state_.control, 0, std::as_bytes(std::span(&control, 1)));
     passes::begin_wavefront(frame, state_);
-    passes::prepare_wavefront(pass, shared::kAfterShade);
     begun_ = true;
 }
 
 void Wavefront::record_round(passes::WavefrontPass pass) {
-    for (pass.round = 0; pass.round < state_.shape.round_length; ++pass.round, ++iteration_) {
-        pass.ray_list = ray_list(iteration_);
-        pass.next_ray_list = ray_list(iteration_ + 1);
+    for (pass.round = 0; pass.round < state_.shape.round_length; ++pass.round) {
         passes::generate(pass);
         passes::prepare_wavefront(pass, shared::kAfterGenerate);
         passes::extend(pass);
         if (after_trace) after_trace(pass, passes::WavefrontTraced::Rays);
-        if (state_.shape.classes) passes::sort_hits(pass);
-        passes::prepare_wavefront(pass, shared::kAfterSort);
+        if (state_.shape.classes) {
+            passes::sort_hits(pass);
+            passes::prepare_wavefront(pass, shared::kAfterSort);
+        }
         passes::shade(pass);
         passes::prepare_wavefront(pass, shared::kAfterShade);
     }
@@ -109,25 +102,33 @@ void Wavefront::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, V
                                      .way = way,
                                      .film = view.film(),
                                      .state = state_,
-                                     .ray_cones = view.desc().texture_lod == TextureLod::Cone,
-                                     .ray_list = ray_list(0),
-                                     .next_ray_list = ray_list(0)};
-    if (!begun_) begin(frame, pass);
+                                     .ray_cones = view.desc().texture_lod == TextureLod::Cone};
+    if (!begun_) begin(frame, view.film());
     const uint32_t rounds = std::clamp(rounds_per_frame, 1u, std::max(1u, kMaxIterations / state_.shape.round_length));
     for (uint32_t i = 0; i < rounds; ++i) record_round(pass);
     control_copy_ = frame.read_back(state_.control);
 }
 
+// A guess, so that few empty iterations are recorded at the end of a slice: as fast as paths began until now, then a few for the last ones.
+uint64_t Wavefront::iterations_left(const shared::WavefrontControl& control) const {
+    constexpr uint64_t kLast = 4;
+    uint64_t begun = 0;
+    for (const uint32_t rays : control.rays[0]) begun += rays;
+    if (begun >= paths_ || begun == 0) return kLast;
+    return kLast + (paths_ - begun) * control.iterations / begun;
+}
+
 bool Wavefront::advance(double seconds, double target_seconds) {
     const shared::WavefrontControl& control = control_copy_.mapped_as<shared::WavefrontControl>().front();
-    constexpr std::string_view kNames[] = {"rays", "other rays", "ended paths", "shadow rays", "misses", "emitters", "plain surfaces", "coated surfaces", "transmissive surfaces"};
+    constexpr std::string_view kNames[] = {"rays", "shadow rays", "misses", "emitters", "plain surfaces", "coated surfaces", "transmissive surfaces"};
     for (uint32_t list = 0; list < shared::kListCount; ++list)
         if (control.overflow[list] != 0)
             throw Error(ErrorCode::Failed, fmt::format("the wavefront's list of {} was too short for {} entries", kNames[list], control.overflow[list]), "--renderer wavefront",
                         "this is a mistake in the program; --renderer reference draws the same picture");
     const double wanted = rounds_per_frame * target_seconds / std::max(seconds, 1e-6);
-    rounds_per_frame = static_cast<uint32_t>(std::clamp(wanted, 1.0, 4.0 * rounds_per_frame));
-    if (control.count[ray_list(iteration_)] != 0 || control.count[shared::kListEnded] != 0) return false;
+    const double left = double(iterations_left(control)) / state_.shape.round_length;
+    rounds_per_frame = static_cast<uint32_t>(std::max(1.0, std::min({wanted, 4.0 * rounds_per_frame, left})));
+    if (control.live != 0) return false;
 
     for (size_t bounce = 0; bounce < shared::kCountedBounces; ++bounce)
         for (size_t c = 0; c < shared::kClassCount; ++c) {

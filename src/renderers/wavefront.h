@@ -13,12 +13,14 @@ namespace parhelion {
 enum class ConnectWhen : uint32_t { EachBounce, Once };  // shadow rays: inside the bounce loop, or after as many bounces as memory allows
 enum class WavefrontDispatch : uint32_t { Indirect, Full };
 
+enum class WavefrontClasses : uint32_t { Off, On, Auto };  // a kernel of Shade for each class of materials; Auto: in scenes with layered ones
+
 // Pictures do not depend on these.
 struct WavefrontOptions {
     uint32_t slots = 0;  // paths at a time; 0: as fits devices of this class. Never more than the slice has pixels
     ConnectWhen connect = ConnectWhen::EachBounce;
     WavefrontDispatch dispatch = WavefrontDispatch::Indirect;
-    bool classes = true;           // a kernel of Shade for each class of materials
+    WavefrontClasses classes = WavefrontClasses::Auto;
     uint64_t memory_bytes = 1ull << 30;  // most that what waits for Connect may take; Connect runs early where it would be more
     uint32_t shadow_capacity = 0;  // tests: room in the list of shadow rays; 0: for all that can come
 };
@@ -59,16 +61,16 @@ public:
 
 private:
     passes::WavefrontShape shape(const SceneGpu& scene, const View& view) const;
-    void begin(Frame& frame, const passes::WavefrontPass& pass);
+    void begin(Frame& frame, const passes::Film& film);
     void record_round(passes::WavefrontPass pass);
-    uint32_t ray_list(uint64_t iteration) const;
+    uint64_t iterations_left(const shared::WavefrontControl& control) const;
 
     gpu::DevicePtr device_;
     WavefrontOptions options_;
     passes::WavefrontState state_;
     std::optional<shared::Slice> slice_;
     bool begun_ = false;
-    uint64_t iteration_ = 0;  // of the slice
+    uint64_t paths_ = 0;  // of the slice
     gpu::Buffer control_copy_;
     WavefrontStats stats_;
 };

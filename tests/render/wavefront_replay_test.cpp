@@ -9,7 +9,7 @@ namespace {
 // What a tracing kernel left, and what the replay of its rays did.
 struct Traced {
     passes::WavefrontTraced what;
-    uint32_t list = 0, slots = 0;
+    uint32_t list = 0;
     gpu::Buffer control, entries, hits, vertices, replayed;
 };
 
@@ -34,8 +34,7 @@ protected:
             passes::replay_rays(pass, what, dump, hits);
             const bool rays = what == passes::WavefrontTraced::Rays;
             all.push_back({.what = what,
-                           .list = rays ? pass.ray_list : shared::kListShadows,
-                           .slots = pass.state.shape.slots,
+                           .list = rays ? shared::kListRays : shared::kListShadows,
                            .control = pass.frame.read_back(pass.state.control),
                            .entries = pass.frame.read_back(rays ? pass.state.lists : pass.state.shadow_list),
                            .hits = pass.frame.read_back(pass.state.hits),
@@ -54,9 +53,8 @@ protected:
     static void expect_same_hits(const Traced& traced) {
         const auto entries = traced.entries.mapped_as<uint32_t>(), replayed = traced.replayed.mapped_as<uint32_t>();
         const auto hits = traced.hits.mapped_as<shared::WavefrontHit>();
-        const uint32_t first = traced.list == shared::kListRays ? 0 : 2 * traced.slots;
         uint32_t differ = 0;
-        for (uint32_t i = 0; i < count(traced); ++i) differ += replayed[i] != hits[entries[first + i]].primitive;
+        for (uint32_t i = 0; i < count(traced); ++i) differ += replayed[i] != hits[entries[i]].primitive;
         EXPECT_EQ(differ, 0u) << "of " << count(traced);
     }
 

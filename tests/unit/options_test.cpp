@@ -158,7 +158,7 @@ TEST(Options, wrong_usage_is_named_with_what_to_do) {
         {{"a", "--frames", "8"}, "--frames: it does not fit --renderer reference (use --spp N"},
         {{"a", "--average"}, "--average: it does not fit --renderer reference (use --spp N"},
         {{"a", "--upscale", "2"}, "--upscale: it does not fit --renderer reference"},
-        {{"a", "--renderer", "realtime"}, "--renderer: 'realtime' is not built into this version (it has reference)"},
+        {{"a", "--renderer", "realtime"}, "--renderer: 'realtime' is not built into this version (it has reference, wavefront)"},
         {{"a", "--denoise", "oidn"}, "--denoise: 'oidn' is not built into this version (it has none)"},
         {{"a", "--fps", "1"}, "--fps: it is not built into this version"},
         {{"a", "--aov", "albedo,nromal", "--out", "x.exr"}, "--aov: 'nromal' is not a choice (did you mean normal?"},

@@ -1,13 +1,13 @@
 #version 460
 // Empties the slots for a new slice: none has a pixel yet, and all of them wait for Generate.
-// Writes: lists (Ended), slots, vertices. Reads: control.
+// Reads: control. Writes: status, slots, vertices.
 #extension GL_GOOGLE_include_directive : require
 #include "wavefront/linear.glsl"
-#include "wavefront/lists.glsl"
+#include "wavefront/state.glsl"
 
 layout(push_constant, scalar) uniform Push {
     Control control;
-    Lists lists;
+    Status status;
     Slots slots;
     Vertices vertices;
     uint round_length;  // vertices of a slot between two Connects
@@ -17,6 +17,6 @@ void main() {
     const uint slot = invocation_index(), count = push.control.v.slot_count;
     if (slot >= count) return;
     push.slots.v[slot] = WavefrontSlot(vec3(0.0), kNoPixel);
-    push.lists.v[list_at(push.control, kListEnded, slot)] = slot;
+    push.status.v[slot] = kSlotWaits;
     for (uint i = 0u; i < push.round_length; ++i) push.vertices.v[i * count + slot].bits = 0u;
 }

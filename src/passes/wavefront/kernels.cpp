@@ -10,20 +10,18 @@ namespace parhelion::passes {
 namespace {
 
 struct GeneratePush {
-    uint64_t view, control, lists, rays, paths, extras, slots;
-    uint32_t ray_list;
+    uint64_t view, control, lists, rays, paths, extras, slots, status;
 };
 struct ExtendPush {
     uint64_t control, lists, rays, hits;
-    uint32_t ray_list, first_entry;
 };
 struct SortPush {
     uint64_t control, lists, hits;
-    uint32_t ray_list;
+    uint32_t classes;
 };
 struct ShadePush {
-    uint64_t view, block, control, lists, shadow_list, rays, hits, paths, extras, slots, vertices, shadow_rays, splits;
-    uint32_t list, next_ray_list, round, round_length;
+    uint64_t view, block, control, lists, shadow_list, rays, hits, paths, extras, slots, status, vertices, shadow_rays, splits;
+    uint32_t list, round, round_length;
 };
 struct ConnectPush {
     uint64_t view, control, shadow_list, shadow_rays, vertices, splits, rays;
@@ -36,6 +34,26 @@ struct FinalizePush {
 bool has_layers(const WavefrontPass& pass) { return (pass.scene.features() & shared::kSceneLayers) != 0; }
 std::string variant(const WavefrontPass& pass) {
     return std::string(has_layers(pass) ? "+LAYERS" : "") + (pass.ray_cones ? "+RAY_CONES" : "");
+}
+
+struct Class {
+    uint32_t number;
+    const char* define;
+    uint32_t feature;  // without which no material of the scene is of this class; 0: it always may be
+    bool textures;
+};
+constexpr Class kClasses[] = {{shared::kClassPlain, "+PLAIN", 0, true},
+                              {shared::kClassCoated, "+COATED", shared::kSceneCoats, true},
+                              {shared::kClassTransmissive, "+TRANSMISSIVE", shared::kSceneTransmits, true},
+                              {shared::kClassEmitter, "+EMITTER", shared::kSceneEmitters, true},
+                              {shared::kClassMiss, "+MISS", 0, false}};
+bool exists(const WavefrontPass& pass, const Class& c) { return c.feature == 0 || (pass.scene.features() & c.feature) != 0; }
+
+// Over the entries of a list, or over all that it can have.
+void over(const WavefrontPass& pass, Pass& kernel, uint32_t size, uint64_t most) {
+    if (pass.state.shape.indirect) return kernel.over_indirect(pass.state.sizes, size * sizeof(shared::WavefrontSize));
+    constexpr uint64_t kRow = uint64_t{1} << 20;
+    kernel.over(static_cast<uint32_t>(std::min(most, kRow)), static_cast<uint32_t>((most + kRow - 1) / kRow));
 }
 
 void shade_class(const WavefrontPass& pass, const std::string& defines, uint32_t list, uint32_t size) {
@@ -52,29 +70,20 @@ void shade_class(const WavefrontPass& pass, const std::string& defines, uint32_t
         .read_write("paths", state.paths)
         .read_write("extras", state.extras)
         .read_write("slots", state.slots)
+        .read_write("status", state.status)
         .read_write("vertices", state.vertices)
         .write("shadow_rays", state.shadow_rays)
         .read_write("splits", state.splits)
-        .push(ShadePush{.list = list, .next_ray_list = pass.next_ray_list, .round = pass.round, .round_length = state.shape.round_length});
-    over_list(pass, kernel, size, state.shape.slots);
+        .push(ShadePush{.list = list, .round = pass.round, .round_length = state.shape.round_length});
+    over(pass, kernel, size, state.shape.slots);
 }
 
 }  // namespace
 
-void over_all(Pass& kernel, uint64_t count) {
-    constexpr uint64_t kRow = uint64_t{1} << 20;
-    kernel.over(static_cast<uint32_t>(std::min(count, kRow)), static_cast<uint32_t>((count + kRow - 1) / kRow));
-}
-
-void over_list(const WavefrontPass& pass, Pass& kernel, uint32_t size, uint64_t most) {
-    if (pass.state.shape.indirect) kernel.over_indirect(pass.state.sizes, size * sizeof(shared::WavefrontSize));
-    else over_all(kernel, most);
-}
-
 void generate(const WavefrontPass& pass) {
     const WavefrontState& state = pass.state;
-    Pass kernel = pass.frame.compute("wavefront/generate", variant(pass));
-    kernel.scene(pass.scene.binding())
+    pass.frame.compute("wavefront/generate", variant(pass))
+        .scene(pass.scene.binding())
         .read("view", pass.film.view)
         .read_write("control", state.control)
         .read_write("lists", state.lists)
@@ -82,48 +91,39 @@ void generate(const WavefrontPass& pass) {
         .read_write("paths", state.paths)
         .read_write("extras", state.extras)
         .read_write("slots", state.slots)
-        .push(GeneratePush{.ray_list = pass.ray_list});
-    over_list(pass, kernel, shared::kListEnded, state.shape.slots);
+        .read_write("status", state.status)
+        .push(GeneratePush{})
+        .over(state.shape.slots);
 }
 
 void extend(const WavefrontPass& pass) {
     const WavefrontState& state = pass.state;
     Pass kernel = pass.frame.trace("wavefront/extend", pass.way);
-    const uint32_t place = pass.ray_list == shared::kListRays ? 0 : 2;  // wavefront/lists.glsl
     kernel.scene(pass.scene.binding())
         .read("control", state.control)
         .read("lists", state.lists)
         .read("rays", state.rays)
         .write("hits", state.hits)
-        .push(ExtendPush{.ray_list = pass.ray_list, .first_entry = place * state.shape.slots});
-    over_list(pass, kernel, pass.ray_list, state.shape.slots);
+        .push(ExtendPush{});
+    over(pass, kernel, shared::kListRays, state.shape.slots);
 }
 
 void sort_hits(const WavefrontPass& pass) {
+    uint32_t classes = 0;
+    for (const Class& c : kClasses) classes |= uint32_t(exists(pass, c)) << c.number;
     Pass kernel = pass.frame.compute("wavefront/sort");
     kernel.scene(pass.scene.binding())
         .read_write("control", pass.state.control)
         .read_write("lists", pass.state.lists)
         .read("hits", pass.state.hits)
-        .push(SortPush{.ray_list = pass.ray_list});
-    over_list(pass, kernel, shared::kSizeHits, pass.state.shape.slots);
+        .push(SortPush{.classes = classes});
+    over(pass, kernel, shared::kSizeHits, pass.state.shape.slots);
 }
 
 void shade(const WavefrontPass& pass) {
-    if (!pass.state.shape.classes) return shade_class(pass, variant(pass), pass.ray_list, shared::kSizeHits);
-    struct Class {
-        uint32_t number;
-        const char* define;
-        uint32_t feature;  // without which no material is of this class; 0: it always may be
-        bool textures;
-    };
-    constexpr Class kClasses[] = {{shared::kClassPlain, "+PLAIN", 0, true},
-                                  {shared::kClassCoated, "+COATED", shared::kSceneCoats, true},
-                                  {shared::kClassTransmissive, "+TRANSMISSIVE", shared::kSceneTransmits, true},
-                                  {shared::kClassEmitter, "+EMITTER", shared::kSceneEmitters, true},
-                                  {shared::kClassMiss, "+MISS", 0, false}};
+    if (!pass.state.shape.classes) return shade_class(pass, variant(pass), shared::kListRays, shared::kSizeHits);
     for (const Class& c : kClasses) {
-        if (c.feature != 0 && (pass.scene.features() & c.feature) == 0) continue;
+        if (!exists(pass, c)) continue;
         const std::string define = std::string(c.define) + (has_layers(pass) ? "+LAYERS" : "") + (pass.ray_cones && c.textures ? "+RAY_CONES" : "");
         shade_class(pass, define, shared::kListClasses + c.number, shared::kListClasses + c.number);
     }
@@ -141,7 +141,7 @@ void connect(const WavefrontPass& pass) {
         .read_write("splits", state.splits)
         .read_write("rays", pass.film.rays)
         .push(ConnectPush{});
-    over_list(pass, kernel, shared::kListShadows, uint64_t{state.shape.slots} * state.shape.round_length);
+    over(pass, kernel, shared::kListShadows, uint64_t{state.shape.slots} * state.shape.round_length);
 }
 
 void finalize(const WavefrontPass& pass) {

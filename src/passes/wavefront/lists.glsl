@@ -9,8 +9,8 @@
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Lists { uint v[]; };
 
 // Place of a list in the array, and whether it fills it from the end; in order of kList...
-const uint kListPlace[kListCount] = uint[](0u, 2u, 1u, 0u, 2u, 2u, 3u, 3u, 4u);
-const bool kListFromEnd[kListCount] = bool[](false, false, false, false, false, true, false, true, false);
+const uint kListPlace[kListCount] = uint[](0u, 0u, 1u, 1u, 2u, 2u, 3u);
+const bool kListFromEnd[kListCount] = bool[](false, false, false, true, false, true, false);
 
 uint list_at(Control control, uint list, uint i) {
     const uint capacity = control.v.slot_count;

@@ -1,5 +1,7 @@
 #include "passes/wavefront/replay.h"
 
+#include <algorithm>
+
 namespace parhelion::passes {
 
 namespace {
@@ -13,8 +15,13 @@ struct ReplayPush {
     uint32_t list;
 };
 
-uint32_t list_of(const WavefrontPass& pass, WavefrontTraced what) { return what == WavefrontTraced::Rays ? pass.ray_list : shared::kListShadows; }
+uint32_t list_of(WavefrontTraced what) { return what == WavefrontTraced::Rays ? shared::kListRays : shared::kListShadows; }
 const char* defines(WavefrontTraced what) { return what == WavefrontTraced::Rays ? "" : "+SHADOWS"; }
+
+void over_all(Pass& kernel, uint64_t count) {
+    constexpr uint64_t kRow = uint64_t{1} << 20;
+    kernel.over(static_cast<uint32_t>(std::min(count, kRow)), static_cast<uint32_t>((count + kRow - 1) / kRow));
+}
 
 }  // namespace
 
@@ -23,7 +30,7 @@ uint64_t most_rays(const WavefrontShape& shape, WavefrontTraced what) { return u
 void dump_rays(const WavefrontPass& pass, WavefrontTraced what, const gpu::Buffer& dump) {
     const WavefrontState& state = pass.state;
     Pass kernel = pass.frame.compute("wavefront/dump_rays", defines(what));
-    kernel.read_write("control", state.control).write("dump", dump).push(DumpPush{.list = list_of(pass, what)});
+    kernel.read_write("control", state.control).write("dump", dump).push(DumpPush{.list = list_of(what)});
     if (what == WavefrontTraced::Rays) kernel.read_write("lists", state.lists).read_write("rays", state.rays);
     else kernel.read("shadow_list", state.shadow_list).read("shadow_rays", state.shadow_rays);
     over_all(kernel, most_rays(state.shape, what));
@@ -35,8 +42,9 @@ void replay_rays(const WavefrontPass& pass, WavefrontTraced what, const gpu::Buf
         .read("control", pass.state.control)
         .read("dump", dump)
         .write("hits", hits)
-        .push(ReplayPush{.list = list_of(pass, what)});
-    over_list(pass, kernel, list_of(pass, what), most_rays(pass.state.shape, what));
+        .push(ReplayPush{.list = list_of(what)});
+    if (pass.state.shape.indirect) kernel.over_indirect(pass.state.sizes, list_of(what) * sizeof(shared::WavefrontSize));
+    else over_all(kernel, most_rays(pass.state.shape, what));
 }
 
 }  // namespace parhelion::passes

@@ -11,13 +11,14 @@ layout(push_constant, scalar) uniform Push {
     Control control;
     Lists lists;
     Hits hits;
-    uint ray_list;
+    uint classes;  // bit c: the scene has materials of class c
 } push;
 
 void main() {
     const uint i = invocation_index();
-    const bool lives = i < push.control.v.count[push.ray_list];
-    const uint slot = lives ? push.lists.v[list_at(push.control, push.ray_list, i)] : 0u;
+    const bool lives = i < push.control.v.count[kListRays];
+    const uint slot = lives ? push.lists.v[list_at(push.control, kListRays, i)] : 0u;
     const uint met = lives ? class_of(push.hits.v[slot]) : kNone;
-    for (uint c = 0u; c < kClassCount; ++c) list_append(push.lists, push.control, kListClasses + c, met == c, slot);
+    for (uint c = 0u; c < kClassCount; ++c)
+        if ((push.classes >> c & 1u) != 0u) list_append(push.lists, push.control, kListClasses + c, met == c, slot);
 }

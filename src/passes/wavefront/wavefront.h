@@ -23,7 +23,7 @@ struct WavefrontState {
     gpu::Buffer control;  // shared::WavefrontControl
     gpu::Buffer sizes;    // shared::WavefrontSize[kSizeCount]
     gpu::Buffer lists;    // uint[places][slots]
-    gpu::Buffer rays, hits, paths, extras, slots;   // [slots]
+    gpu::Buffer status, rays, hits, paths, extras, slots;  // [slots]
     gpu::Buffer vertices, shadow_rays, shadow_list; // [round_length][slots]
     gpu::Buffer splits;   // [round_length + 1][slots]
 };
@@ -38,14 +38,8 @@ struct WavefrontPass {
     const Film& film;
     const WavefrontState& state;
     bool ray_cones = false;
-    uint32_t round = 0;     // vertices of every slot since the last Connect
-    uint32_t ray_list = 0;  // shared::kListRays or kListOtherRays: the iteration's rays
-    uint32_t next_ray_list = 0;
+    uint32_t round = 0;  // vertices of every slot since the last Connect
 };
-
-// Ends a kernel over the entries of a list (`size`: shared::kList... or kSizeHits), or over `most`, all that it can have; over so many.
-void over_list(const WavefrontPass& pass, Pass& kernel, uint32_t size, uint64_t most);
-void over_all(Pass& kernel, uint64_t count);
 
 void begin_wavefront(Frame& frame, const WavefrontState& state);
 void prepare_wavefront(const WavefrontPass& pass, uint32_t stage);  // shared::kAfter...
