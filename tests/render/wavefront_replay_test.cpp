@@ -82,7 +82,7 @@ TEST_F(WavefrontReplay, it_meets_what_the_kernels_met) {
             const WavefrontOptions options{.slots = 100,
                                            .connect = once ? ConnectWhen::Once : ConnectWhen::EachBounce,
                                            .dispatch = once ? WavefrontDispatch::Full : WavefrontDispatch::Indirect,
-                                           .classes = !once};
+                                           .classes = once ? WavefrontClasses::Off : WavefrontClasses::On};
             const std::vector<Traced> all = trace(stage, way, options);
             ASSERT_GE(all.size(), 6u);
             for (const Traced& traced : all) {

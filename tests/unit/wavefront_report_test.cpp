@@ -12,7 +12,7 @@ using Json = nlohmann::ordered_json;
 
 // 4 iterations of 10 slots: 20 rays of the camera, of which 5 missed, 8 after a scattering, 2 after 31 or more.
 WavefrontReport some_report() {
-    WavefrontReport report{.options = {.connect = ConnectWhen::Once, .dispatch = WavefrontDispatch::Full, .classes = false}};
+    WavefrontReport report{.options = {.connect = ConnectWhen::Once, .dispatch = WavefrontDispatch::Full}};
     WavefrontStats& stats = report.stats;
     stats.rays[0] = {5, 1, 10, 3, 1};
     stats.shadows[0] = {0, 0, 9, 2, 1};
