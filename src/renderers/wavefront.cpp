@@ -95,6 +95,7 @@ void Wavefront::record_round(passes::WavefrontPass pass) {
         passes::generate(pass);
         passes::prepare_wavefront(pass, shared::kAfterGenerate);
         passes::extend(pass);
+        if (after_trace) after_trace(pass, passes::WavefrontTraced::Rays);
         if (state_.shape.classes) {
             passes::sort_hits(pass);
             passes::prepare_wavefront(pass, shared::kAfterSort);
@@ -103,6 +104,7 @@ void Wavefront::record_round(passes::WavefrontPass pass) {
         passes::prepare_wavefront(pass, shared::kAfterShade);
     }
     passes::connect(pass);
+    if (after_trace) after_trace(pass, passes::WavefrontTraced::ShadowRays);
     passes::finalize(pass);
 }
 

@@ -2,9 +2,10 @@
 // The wavefront path tracer: the reference's samples drawn by a chain of small kernels over lists of paths. Document 003; Laine et al.
 // 2013, "Megakernels Considered Harmful".
 #include <array>
+#include <functional>
 #include <optional>
 
-#include "passes/wavefront/wavefront.h"
+#include "passes/wavefront/replay.h"
 #include "renderers/slice.h"
 
 namespace parhelion {
@@ -55,6 +56,8 @@ public:
     const WavefrontStats& stats() const { return stats_; }
     const passes::WavefrontState& state() const { return state_; }
     uint32_t rounds_per_frame = 1;  // a round: iterations from one Connect to the next
+    // Called while a frame is recorded, after Extend and after Connect: to look at what they traced (renderers/replay.h).
+    std::function<void(const passes::WavefrontPass&, passes::WavefrontTraced)> after_trace;
 
 private:
     passes::WavefrontShape shape(const SceneGpu& scene, const View& view) const;
