@@ -18,7 +18,7 @@ TEST(WavefrontState, a_path_takes_at_most_200_bytes_in_every_machine_of_one_vert
                 EXPECT_LE(passes::state_bytes(shape), 200u) << classes << extra << indirect;
                 passes::WavefrontShape split = shape;
                 split.split = true;
-                EXPECT_EQ(passes::state_bytes(split), passes::state_bytes(shape) + 2 * sizeof(shared::WavefrontSplit));
+                EXPECT_EQ(passes::state_bytes(split), passes::state_bytes(shape) + 2 * sizeof(shared::WavefrontSplit) + sizeof(shared::WavefrontClassSums));
             }
 }
 

@@ -29,7 +29,7 @@ struct ConnectPush {
     uint64_t view, control, shadow_list, shadow_rays, vertices, splits, rays;
 };
 struct FinalizePush {
-    uint64_t view, block, control, slots, vertices, splits;
+    uint64_t view, block, control, slots, vertices, splits, class_sums;
     uint32_t round_length;
 };
 
@@ -150,6 +150,7 @@ void finalize(const WavefrontPass& pass) {
         .read_write("slots", state.slots)
         .read_write("vertices", state.vertices)
         .read_write("splits", state.splits)
+        .read_write("class_sums", state.class_sums)
         .push(FinalizePush{.round_length = state.shape.round_length})
         .over(state.shape.slots);
 }

@@ -9,6 +9,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Extras { Wa
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Slots { WavefrontSlot v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Vertices { WavefrontVertex v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Splits { WavefrontSplit v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer ClassSums { WavefrontClassSums v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Control { WavefrontControl v; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ViewBlock { ViewData data; };
 #endif

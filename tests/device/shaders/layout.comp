@@ -38,6 +38,7 @@ layout(set = 1, binding = 0, scalar) buffer AllStructs {
     WavefrontVertex wavefront_vertex[2];
     WavefrontShadowRay wavefront_shadow_ray[2];
     WavefrontSplit wavefront_split[2];
+    WavefrontClassSums wavefront_class_sums[2];
     WavefrontControl wavefront_control[2];
     WavefrontSize wavefront_size[2];
 } all_structs;
@@ -81,6 +82,7 @@ void main() {
         all_structs.wavefront_vertex[i] = value.wavefront_vertex[i];
         all_structs.wavefront_shadow_ray[i] = value.wavefront_shadow_ray[i];
         all_structs.wavefront_split[i] = value.wavefront_split[i];
+        all_structs.wavefront_class_sums[i] = value.wavefront_class_sums[i];
         all_structs.wavefront_size[i] = value.wavefront_size[i];
     }
 }
