@@ -64,7 +64,7 @@ TEST_F(CliWavefront, the_wavefront_says_what_it_did_at_every_bounce) {
 
 TEST_F(CliWavefront, the_listing_of_the_wavefront_has_its_kernels_in_order_and_a_table_of_bounces) {
     const Words words = kSmall + Words{"--max-bounces", "5", "--list-frame", "--set", "wavefront.classes=on"};
-    const ProcessResult each = run_parhelion(words), once = run_parhelion(words + Words{"--set", "wavefront.connect=once"});
+    const ProcessResult each = run_parhelion(words + Words{"--set", "wavefront.connect=each_bounce"}), once = run_parhelion(words + Words{"--set", "wavefront.connect=once"});
     expect_in_order(each.out, {"wavefront/begin", "wavefront/generate", "wavefront/extend", "wavefront/sort", "wavefront/shade", "wavefront/connect", "wavefront/finalize", "bounce", "\n     5 "});
     expect_in_order(once.out, {"wavefront/begin", "6 times:\n", "| wavefront/generate", "| wavefront/extend", "| wavefront/shade", "  wavefront/connect", "  wavefront/finalize", "bounce"});
     EXPECT_EQ(each.out.find("times:", each.out.find("wavefront/begin")), std::string::npos);

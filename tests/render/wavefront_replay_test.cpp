@@ -86,13 +86,14 @@ TEST_F(WavefrontReplay, it_meets_what_the_kernels_met) {
                                            .classes = once ? WavefrontClasses::Off : WavefrontClasses::On};
             const std::vector<Traced> all = trace(stage, way, options);
             ASSERT_GE(all.size(), 6u);
-            uint32_t shadow_rays = 0, free = 0;
+            uint32_t rays = 0, shadow_rays = 0, free = 0;
             for (const Traced& traced : all) {
                 SCOPED_TRACE(fmt::format("{} {} {}", trace_way_name(way), once, traced.list));
-                ASSERT_GT(count(traced), 0u);
+                rays += count(traced);
                 if (traced.what == passes::WavefrontTraced::Rays) expect_same_hits(traced);
                 else free += expect_same_visibility(traced), shadow_rays += count(traced);
             }
+            EXPECT_GT(rays, shadow_rays + 600);  // with the camera's, two samples of 300 pixels at least
             EXPECT_TRUE(free > 0 && free < shadow_rays) << free << " of " << shadow_rays;
         }
     }
