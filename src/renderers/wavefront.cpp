@@ -19,6 +19,13 @@ uint64_t sum(const std::array<uint64_t, shared::kClassCount>& counts) {
     return total;
 }
 
+// Long enough that a slot seldom comes to a pixel whose last visit is not yet in the film: that takes a round and a long path.
+uint32_t visit_length(const passes::WavefrontShape& shape, uint64_t pixels) {
+    constexpr uint64_t kLongPath = 8, kShortPath = 2;
+    const uint64_t between = shape.slots * (shape.round_length + kLongPath);
+    return static_cast<uint32_t>(std::clamp<uint64_t>((between + pixels * kShortPath - 1) / (pixels * kShortPath), 1, shared::kSamplesPerBlock));
+}
+
 bool splits_light(const View& view) {
     return std::ranges::any_of(view.channels(), [](const std::string& channel) { return channel.starts_with("path."); });
 }
@@ -34,14 +41,17 @@ Wavefront::Wavefront(gpu::DevicePtr device, const WavefrontOptions& options) : d
         throw Error(ErrorCode::MissingFeature, "the wavefront needs subgroup ballots in compute shaders, which the device lacks", escape_name(caps.name), "use --renderer reference");
     if (options_.slots > kMaxWavefrontSlots)
         throw Error(ErrorCode::Usage, fmt::format("{} are more than {}", options_.slots, kMaxWavefrontSlots), "wavefront.slots");
-    if (options_.slots == 0) options_.slots = gpu::device_class(caps).wavefront_slots;
+    if (options_.slots != 0) return;
+    // With all that it may hold a slot takes some 300 bytes; an eighth of the device's memory is left to it.
+    constexpr uint64_t kSlotBytes = 300, kShare = 8;
+    options_.slots = static_cast<uint32_t>(std::clamp<uint64_t>(caps.memory_bytes / (kShare * kSlotBytes), 1, gpu::device_class(caps).wavefront_slots));
 }
 
 passes::WavefrontShape Wavefront::shape(const SceneGpu& scene, const View& view) const {
     const uint64_t pixels = uint64_t{view.film().width} * view.film().height;
     const bool layers = (scene.features() & shared::kSceneLayers) != 0, cones = view.desc().texture_lod == TextureLod::Cone;
     passes::WavefrontShape shape{.slots = static_cast<uint32_t>(std::min<uint64_t>(options_.slots, pixels)),
-                                 .classes = options_.classes == WavefrontClasses::On || (options_.classes == WavefrontClasses::Auto && layers),
+                                 .classes = options_.classes,
                                  .indirect = options_.dispatch == WavefrontDispatch::Indirect,
                                  .extra = layers || cones,
                                  .split = splits_light(view)};
@@ -52,6 +62,12 @@ passes::WavefrontShape Wavefront::shape(const SceneGpu& scene, const View& view)
     const uint64_t path_length = uint64_t{view.desc().max_bounces} + 1;
     shape.round_length = static_cast<uint32_t>(std::clamp<uint64_t>(options_.memory_bytes / (more * shape.slots), 1, std::min<uint64_t>(path_length, kMaxIterations)));
     return shape;
+}
+
+void Wavefront::allocate(const SceneGpu& scene, const View& view) {
+    const passes::WavefrontShape wanted = shape(scene, view);
+    const uint64_t pixels = uint64_t{view.film().width} * view.film().height;
+    if (!state_.control || state_.shape != wanted || state_.finished.bytes() != pixels * sizeof(uint32_t)) state_ = passes::make_wavefront_state(device_, wanted, pixels);
 }
 
 void Wavefront::start(const shared::Slice& slice) {
@@ -65,8 +81,10 @@ void Wavefront::begin(Frame& frame, const passes::Film& film) {
                                      .pixel_count = film.width * slice_->row_count,
                                      .slot_count = state_.shape.slots,
                                      .shadow_capacity = options_.shadow_capacity != 0 ? options_.shadow_capacity : state_.shape.slots * state_.shape.round_length,
-                                     .split = state_.shape.split};
+                                     .split = state_.shape.split,
+                                     .visit = visit_length(state_.shape, uint64_t{film.width} * slice_->row_count)};
     paths_ = uint64_t{control.pixel_count} * slice_->sample_count;
+    PARHELION_CHECK(paths_ < 1ull << 31, "a slice of {} paths", paths_);
     frame.upload(state_.control, 0, std::as_bytes(std::span(&control, 1)));
     passes::begin_wavefront(frame, state_);
     begun_ = true;
@@ -94,8 +112,7 @@ void Wavefront::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, V
     PARHELION_CHECK(slice_, "no slice is begun");
     if (!begun_) {
         begin_slice(frame, scene, way, view, *slice_);
-        const passes::WavefrontShape wanted = shape(scene, view);
-        if (!state_.control || state_.shape != wanted) state_ = passes::make_wavefront_state(device_, wanted);
+        allocate(scene, view);
     }
     const passes::WavefrontPass pass{.frame = frame,
                                      .scene = scene,

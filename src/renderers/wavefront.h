@@ -13,15 +13,13 @@ namespace parhelion {
 enum class ConnectWhen : uint32_t { EachBounce, Once };  // shadow rays: inside the bounce loop, or after as many bounces as memory allows
 enum class WavefrontDispatch : uint32_t { Indirect, Full };
 
-enum class WavefrontClasses : uint32_t { Off, On, Auto };  // a kernel of Shade for each class of materials; Auto: in scenes with layered ones
-
 // Pictures do not depend on these.
 struct WavefrontOptions {
     uint32_t slots = 0;  // paths at a time; 0: as fits devices of this class. Never more than the slice has pixels
-    ConnectWhen connect = ConnectWhen::EachBounce;
+    ConnectWhen connect = ConnectWhen::Once;
     WavefrontDispatch dispatch = WavefrontDispatch::Indirect;
-    WavefrontClasses classes = WavefrontClasses::Auto;
-    uint64_t memory_bytes = 1ull << 30;  // most that what waits for Connect may take; Connect runs early where it would be more
+    bool classes = true;  // a kernel of Shade for each class of materials
+    uint64_t memory_bytes = 512ull << 20;  // most that what waits for Connect may take; Connect runs early where it would be more
     uint32_t shadow_capacity = 0;  // tests: room in the list of shadow rays; 0: for all that can come
 };
 constexpr uint32_t kMaxWavefrontSlots = 1u << 22;
@@ -44,6 +42,8 @@ public:
     // Throws MissingFeature if the device has no subgroup ballots, a usage Error for slots beyond kMaxWavefrontSlots.
     Wavefront(gpu::DevicePtr device, const WavefrontOptions& options);
 
+    // Makes the device memory for views like this one, which record() would make.
+    void allocate(const SceneGpu& scene, const View& view);
     // The slice to draw next; the one before must be finished.
     void start(const shared::Slice& slice);
     // Records some iterations of the running slice. Only records: no submit, no wait. The scene must be drawable.

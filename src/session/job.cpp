@@ -210,6 +210,7 @@ void Job::set_up() {
     frame_->run();
     add_times(report_.passes, *frame_);
     if (options_.list_frame) report_.listing += "set-up\n" + frame_->listing(true);
+    if (options_.renderer == RendererKind::Wavefront) wavefront_.emplace(device_, wavefront_options(settings_)).allocate(*scene_gpu_, *view_);
     report_.lights = scene_gpu_->stats().emitters;
     report_.exposure_metered = !options_.exposure_ev;
     report_.exposure_ev = options_.exposure_ev ? *options_.exposure_ev : meter_scene(device_, *frame_, *scene_gpu_, way_, desc);
@@ -253,10 +254,9 @@ void Job::resume() {
     report_.size = options_.size;
     report_.wanted = options_.samples;
     report_.resumed_at = samples.begin;
-    if (options_.renderer == RendererKind::Wavefront) {
+    if (wavefront_) {
         // Its frames are short however long a slice is; but at the end of each the machine runs empty.
         constexpr double kSliceSeconds = 1.0;
-        wavefront_.emplace(device_, wavefront_options(settings_));
         report_.renderer = "wavefront";
         slicer_.emplace(options_.size, samples, kSliceSeconds, kPathsPerSlot * wavefront_->slots());
     } else {

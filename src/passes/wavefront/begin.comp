@@ -1,5 +1,5 @@
 #version 460
-// Empties the slots for a new slice: none has a pixel yet, and all of them wait for Generate.
+// Empties the slots for a new slice.
 // Reads: control. Writes: status, slots, vertices.
 #extension GL_GOOGLE_include_directive : require
 #include "wavefront/linear.glsl"
@@ -17,6 +17,6 @@ void main() {
     const uint slot = invocation_index(), count = push.control.v.slot_count;
     if (slot >= count) return;
     push.slots.v[slot] = WavefrontSlot(vec3(0.0), kNoPixel);
-    push.status.v[slot] = kSlotWaits;
+    push.status.v[slot] = kSlotFree;
     for (uint i = 0u; i < push.round_length; ++i) push.vertices.v[i * count + slot].bits = 0u;
 }

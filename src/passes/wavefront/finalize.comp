@@ -1,7 +1,7 @@
 #version 460
 // Adds what the vertices since the last Connect brought, slot by slot in the order of the path, and finished samples to the film: as
 // the reference adds them, whichever slot and kernel they came through.
-// Reads: view, splits. Reads and writes: control, slots, vertices, block (the film's running block).
+// Reads: view. Reads and writes: control, slots, vertices, splits, block (the film's running block), finished.
 #extension GL_GOOGLE_include_directive : require
 #include "scene/film.glsl"
 #include "wavefront/bits.glsl"
@@ -15,6 +15,7 @@ layout(push_constant, scalar) uniform Push {
     Slots slots;
     Vertices vertices;
     Splits splits;
+    Finished finished;
     uint round_length;
 } push;
 
@@ -43,6 +44,7 @@ void main() {
         if (push.control.v.split != 0u) add_by_class(view, entry, vertex);
         if ((vertex.bits & kVertexEnds) == 0u) continue;
         film_add_beauty(push.block, view, vertex.pixel, radiance);
+        push.finished.v[vertex.pixel] += 1u;
         radiance = vec3(0.0);
     }
     push.slots.v[slot].radiance = radiance;

@@ -10,14 +10,14 @@ namespace parhelion::passes {
 namespace {
 
 struct GeneratePush {
-    uint64_t view, control, lists, rays, paths, extras, slots, status;
+    uint64_t view, control, lists, rays, paths, extras, slots, status, finished;
 };
 struct ExtendPush {
     uint64_t control, lists, rays, hits;
 };
 struct SortPush {
     uint64_t control, lists, hits;
-    uint32_t classes;
+    uint32_t only_plain;
 };
 struct ShadePush {
     uint64_t view, block, control, lists, shadow_list, rays, hits, paths, extras, slots, status, vertices, shadow_rays, splits;
@@ -27,7 +27,7 @@ struct ConnectPush {
     uint64_t view, control, shadow_list, shadow_rays, vertices, splits, rays;
 };
 struct FinalizePush {
-    uint64_t view, block, control, slots, vertices, splits;
+    uint64_t view, block, control, slots, vertices, splits, finished;
     uint32_t round_length;
 };
 
@@ -92,6 +92,7 @@ void generate(const WavefrontPass& pass) {
         .read_write("extras", state.extras)
         .read_write("slots", state.slots)
         .read_write("status", state.status)
+        .read_write("finished", state.finished)
         .push(GeneratePush{})
         .over(state.shape.slots);
 }
@@ -109,14 +110,13 @@ void extend(const WavefrontPass& pass) {
 }
 
 void sort_hits(const WavefrontPass& pass) {
-    uint32_t classes = 0;
-    for (const Class& c : kClasses) classes |= uint32_t(exists(pass, c)) << c.number;
+    const bool only_plain = (pass.scene.features() & (shared::kSceneCoats | shared::kSceneTransmits | shared::kSceneEmitters)) == 0;
     Pass kernel = pass.frame.compute("wavefront/sort");
     kernel.scene(pass.scene.binding())
         .read_write("control", pass.state.control)
         .read_write("lists", pass.state.lists)
         .read("hits", pass.state.hits)
-        .push(SortPush{.classes = classes});
+        .push(SortPush{.only_plain = only_plain});
     over(pass, kernel, shared::kSizeHits, pass.state.shape.slots);
 }
 
@@ -153,6 +153,7 @@ void finalize(const WavefrontPass& pass) {
         .read_write("slots", state.slots)
         .read_write("vertices", state.vertices)
         .read_write("splits", state.splits)
+        .read_write("finished", state.finished)
         .push(FinalizePush{.round_length = state.shape.round_length})
         .over(state.shape.slots);
 }

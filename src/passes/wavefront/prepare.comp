@@ -29,18 +29,18 @@ void add_rays(uint kind, uint count) {
 }
 
 void main() {
-    const uint kComputeGroup = 64u;
     if (push.stage == kAfterGenerate) {
         const uint count = push.control.v.count[kListRays];
-        push.control.v.live = count;
+        push.control.v.live = count + push.control.v.count[kCountWaiting];
+        push.control.v.count[kCountWaiting] = 0u;
         push.control.v.iterations += uint(count != 0u);
         add_rays(kRayPath, count);
         set_size(kListRays, kListRays, push.tracing_group);
-        set_size(kSizeHits, kListRays, kComputeGroup);
+        set_size(kSizeHits, kListRays, kWavefrontGroup);
         for (uint i = 0u; i < kClassCount; ++i) push.control.v.count[kListClasses + i] = 0u;
         if (push.round_begins != 0u) push.control.v.count[kListShadows] = 0u;
     } else if (push.stage == kAfterSort) {
-        for (uint i = 0u; i < kClassCount; ++i) set_size(kListClasses + i, kListClasses + i, kComputeGroup);
+        for (uint i = 0u; i < kClassCount; ++i) set_size(kListClasses + i, kListClasses + i, kWavefrontGroup);
     } else {
         push.control.v.count[kListRays] = 0u;
         const uint count = min(push.control.v.count[kListShadows], push.control.v.shadow_capacity);

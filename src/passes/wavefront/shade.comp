@@ -5,7 +5,7 @@
 // variants: MISS EMITTER PLAIN RAY_CONES EMITTER+RAY_CONES PLAIN+RAY_CONES LAYERS MISS+LAYERS EMITTER+LAYERS PLAIN+LAYERS COATED+LAYERS TRANSMISSIVE+LAYERS LAYERS+RAY_CONES EMITTER+LAYERS+RAY_CONES PLAIN+LAYERS+RAY_CONES COATED+LAYERS+RAY_CONES TRANSMISSIVE+LAYERS+RAY_CONES
 // optimised variants
 #extension GL_GOOGLE_include_directive : require
-#include "shared/scene.h"
+#include "shared/wavefront.h"
 #if defined(EMITTER)
 #define ABSENT_MATERIAL_FLAGS (kMaterialTransmits | kMaterialThin | kMaterialCoated | kMaterialSheen)
 #elif defined(PLAIN)
@@ -13,9 +13,15 @@
 #elif defined(COATED)
 #define ABSENT_MATERIAL_FLAGS (kMaterialTransmits | kMaterialThin | kMaterialUnlit)
 #endif
+#if defined(MISS) || defined(EMITTER) || defined(PLAIN) || defined(COATED) || defined(TRANSMISSIVE)
+const uint kClassesHere = 1u;
+#else
+const uint kClassesHere = kClassCount;
+#endif
 #include "scene/film.glsl"
 #include "scene/vertex.glsl"
 #include "wavefront/classes.glsl"
+#include "wavefront/counts.glsl"
 #include "wavefront/linear.glsl"
 #include "wavefront/lists.glsl"
 #include "wavefront/paths.glsl"
@@ -41,15 +47,6 @@ layout(push_constant, scalar) uniform Push {
     uint list;
     uint round, round_length;  // vertices of a slot since the last Connect, and until the next
 } push;
-
-// Counts of this work group, by bounce and class where there are several.
-#if defined(MISS) || defined(EMITTER) || defined(PLAIN) || defined(COATED) || defined(TRANSMISSIVE)
-const uint kClassesHere = 1u;
-#else
-const uint kClassesHere = kClassCount;
-#endif
-const uint kCounts = kCountedBounces * kClassesHere;
-shared uint group_rays[kCounts], group_shadows[kCounts];
 
 VertexResult vertex_of(ViewData view, PathKey key, WavefrontHit met, inout PathState path, inout FirstHit first) {
 #if defined(MISS)
@@ -112,40 +109,28 @@ VertexResult shade(uint slot, WavefrontHit met, uint entry, out uint bounce) {
     return vertex;
 }
 
-void clear_counts() {
-    for (uint c = gl_LocalInvocationIndex; c < kCounts; c += gl_WorkGroupSize.x) group_rays[c] = group_shadows[c] = 0u;
-    barrier();
-}
-
-void add_counts() {
-    barrier();
-    for (uint c = gl_LocalInvocationIndex; c < kCounts; c += gl_WorkGroupSize.x) {
-        if (group_rays[c] == 0u) continue;
-        const uint bounce = c / kClassesHere, met = kClassesHere == 1u ? push.list - kListClasses : c % kClassesHere;
-        atomicAdd(push.control.v.rays[bounce][met], group_rays[c]);
-        if (group_shadows[c] != 0u) atomicAdd(push.control.v.shadows[bounce][met], group_shadows[c]);
-    }
+// Lists the entries whose shadow rays wait for Connect.
+void ask(bool asks, uint entry) {
+    const uint i = reserve(push.control, kListShadows, bin_if(asks), 1u);
+    if (asks && has_room(push.control, kListShadows, push.control.v.shadow_capacity, i)) push.shadow_list.v[i] = entry;
 }
 
 void main() {
-    clear_counts();
+    begin_counts();
     const uint i = invocation_index();
     const bool lives = i < push.control.v.count[push.list];
     bool asks = false;
-    uint entry = 0u;
+    uint entry = 0u, bounce = 0u, class_here = 0u;
     if (lives) {
         const uint slot = push.lists.v[list_at(push.control, push.list, i)];
         entry = push.round * push.control.v.slot_count + slot;
         const WavefrontHit met = push.hits.v[slot];
-        uint bounce;
         const VertexResult vertex = shade(slot, met, entry, bounce);
-        push.status.v[slot] = vertex.goes_on ? kSlotLives : kSlotWaits;
+        push.status.v[slot] = vertex.goes_on ? kSlotLives : kSlotFree;
         asks = vertex.event.exists;
-        const uint counted = min(bounce, kCountedBounces - 1u) * kClassesHere + (kClassesHere == 1u ? 0u : class_of(met));
-        atomicAdd(group_rays[counted], 1u);
-        if (asks) atomicAdd(group_shadows[counted], 1u);
+        if (kClassesHere != 1u) class_here = class_of(met);
     }
-    const uint shadow = reserve(push.control, kListShadows, push.control.v.shadow_capacity, asks);
-    if (shadow != kNone) push.shadow_list.v[shadow] = entry;
-    add_counts();
+    ask(asks, entry);
+    count_vertex(push.control, lives, bounce, class_here, asks);
+    end_counts(push.control, kClassesHere == 1u ? push.list - kListClasses : 0u);
 }

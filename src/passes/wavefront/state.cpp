@@ -19,7 +19,7 @@ struct PreparePush {
     uint32_t stage, round_begins, round_ends, tracing_group, row;
 };
 
-constexpr uint32_t kGroup = 64;       // of linear kernels
+constexpr uint32_t kTracingGroup = 64;  // scene/trace.glsl
 constexpr uint32_t kRowGroups = 1 << 15;  // below the 65,535 that every device takes
 
 }  // namespace
@@ -32,7 +32,7 @@ uint64_t state_bytes(const WavefrontShape& shape) {
            (shape.split ? (round + 1) * sizeof(shared::WavefrontSplit) : 0);
 }
 
-WavefrontState make_wavefront_state(const gpu::DevicePtr& device, const WavefrontShape& shape) {
+WavefrontState make_wavefront_state(const gpu::DevicePtr& device, const WavefrontShape& shape, uint64_t pixels) {
     const uint64_t slots = shape.slots, vertices = slots * shape.round_length;
     const auto buffer = [&](const char* name, uint64_t count, uint64_t bytes) {
         return gpu::Buffer(device, std::string("wavefront/") + name, std::max<uint64_t>(count, 1) * bytes);
@@ -50,10 +50,12 @@ WavefrontState make_wavefront_state(const gpu::DevicePtr& device, const Wavefron
             .vertices = buffer("vertices", vertices, sizeof(shared::WavefrontVertex)),
             .shadow_rays = buffer("shadow_rays", vertices, sizeof(shared::WavefrontShadowRay)),
             .shadow_list = buffer("shadow_list", vertices, sizeof(uint32_t)),
-            .splits = buffer("splits", shape.split ? vertices + slots : 0, sizeof(shared::WavefrontSplit))};
+            .splits = buffer("splits", shape.split ? vertices + slots : 0, sizeof(shared::WavefrontSplit)),
+            .finished = buffer("finished", pixels, sizeof(uint32_t))};
 }
 
 void begin_wavefront(Frame& frame, const WavefrontState& state) {
+    frame.fill(state.finished, 0);
     frame.compute("wavefront/begin")
         .read_write("control", state.control)
         .read_write("status", state.status)
@@ -64,7 +66,7 @@ void begin_wavefront(Frame& frame, const WavefrontState& state) {
 }
 
 void prepare_wavefront(const WavefrontPass& pass, uint32_t stage) {
-    const uint32_t tracing_group = pass.way == gpu::TraceWay::Pipeline ? 1 : kGroup;
+    const uint32_t tracing_group = pass.way == gpu::TraceWay::Pipeline ? 1 : kTracingGroup;
     pass.frame.compute("wavefront/prepare")
         .read_write("control", pass.state.control)
         .write("sizes", pass.state.sizes)

@@ -8,6 +8,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Paths { Wav
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Extras { WavefrontExtra v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Slots { WavefrontSlot v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Status { uint v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Finished { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Vertices { WavefrontVertex v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Splits { WavefrontSplit v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Control { WavefrontControl v; };

@@ -26,8 +26,9 @@ struct WavefrontState {
     gpu::Buffer status, rays, hits, paths, extras, slots;  // [slots]
     gpu::Buffer vertices, shadow_rays, shadow_list; // [round_length][slots]
     gpu::Buffer splits;   // [round_length + 1][slots]
+    gpu::Buffer finished; // uint[pixels of the film]: samples of the slice that are in it
 };
-WavefrontState make_wavefront_state(const gpu::DevicePtr& device, const WavefrontShape& shape);
+WavefrontState make_wavefront_state(const gpu::DevicePtr& device, const WavefrontShape& shape, uint64_t pixels);
 uint64_t state_bytes(const WavefrontShape& shape);  // of one slot
 
 // What kernels of an iteration have in common.
