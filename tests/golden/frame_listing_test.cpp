@@ -3,6 +3,8 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "renderers/wavefront.h"
+#include "session/scene_setup.h"
 #include "support/render_fixture.h"
 
 namespace parhelion::testing {
@@ -21,6 +23,7 @@ void expect_file(const std::string& path, const std::string& content) {
     EXPECT_EQ(read(path), content) << path << " is out of date; PARHELION_UPDATE_GOLDEN=1 rewrites it";
 }
 
+std::string wavefront_golden(ConnectWhen when) { return kGolden + "wavefront." + (when == ConnectWhen::Once ? "once" : "each_bounce") + ".txt"; }
 std::string golden_name(gpu::TraceWay way) { return kGolden + "reference." + std::string(gpu::trace_way_name(way)) + ".txt"; }
 
 class FrameListing : public GpuTest {};
@@ -40,6 +43,24 @@ TEST_F(FrameListing, the_reference_records_the_passes_that_are_written_down) {
     }
 }
 
+TEST_F(FrameListing, the_wavefront_records_the_kernels_that_are_written_down) {
+    if (device()->caps().type != gpu::DeviceType::Cpu) GTEST_SKIP() << "not the CPU device";
+    Stage& stage = builtin_stage("builtin:glass");
+    stage.scene_gpu.finish(stage.frame);
+    stage.frame.run();
+    for (const ConnectWhen when : {ConnectWhen::EachBounce, ConnectWhen::Once}) {
+        const CameraView camera = view_of((*stage.scene.cameras().begin()).value, 1.0f);
+        View view(device(), {.width = 64, .height = 64, .camera = shader_camera(camera, 1.0f), .max_bounces = 4});
+        view.prepare(stage.frame);
+        stage.frame.run();
+        Wavefront wavefront(device(), {.connect = when, .classes = WavefrontClasses::On});
+        wavefront.start({.first_row = 0, .row_count = 64, .first_sample = 0, .sample_count = 2});
+        wavefront.record(stage.frame, stage.scene_gpu, gpu::TraceWay::Compute, view);
+        stage.frame.run();
+        expect_file(wavefront_golden(when), stage.frame.listing());
+    }
+}
+
 TEST_F(FrameListing, the_document_is_made_from_the_listings) {
     std::string text =
         "# Frame listings\n\n"
@@ -52,6 +73,9 @@ TEST_F(FrameListing, the_document_is_made_from_the_listings) {
         text += "\n## reference, --trace " + name + "\n\n```\n" + read(golden_name(way)) + "```\n";
     }
     text += "\n## reference, --aov depth (ids, motion)\n\nThe first slice of a view's rows also takes their first hits.\n\n```\n" + read(kFirstHits) + "```\n";
+    text += "\n## wavefront, wavefront.connect=each_bounce\n\nThe first frame of a slice of builtin:glass: one iteration ([wavefront](wavefront.md)). Later frames repeat the rows from Generate to\nFinalize, as often as takes about 60 ms.\n\n```\n" +
+            read(wavefront_golden(ConnectWhen::EachBounce)) + "```\n";
+    text += "\n## wavefront, wavefront.connect=once\n\nWith at most 4 scatterings a path has 5 vertices.\n\n```\n" + read(wavefront_golden(ConnectWhen::Once)) + "```\n";
     expect_file(kDocument, text);
 }
 

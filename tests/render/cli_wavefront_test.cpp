@@ -55,15 +55,16 @@ TEST_F(CliWavefront, the_wavefront_says_what_it_did_at_every_bounce) {
     EXPECT_EQ(json["rays"]["path"], rays);
     EXPECT_EQ(json["rays"]["shadow"], shadows);
     EXPECT_NEAR(wavefront["occupancy"].get<double>(), occupancy, 1e-9);
-    for (const Json& pass : json["passes"])
-        if (const std::string name = pass["name"]; name.starts_with("wavefront/extend")) EXPECT_EQ(pass["rays"], rays);
-        else if (name.starts_with("wavefront/connect")) EXPECT_EQ(pass["rays"], shadows);
+    for (const Json& pass : json["passes"]) {
+        const std::string name = pass["name"];
+        EXPECT_EQ(pass["rays"], name.starts_with("wavefront/extend") ? rays : name.starts_with("wavefront/connect") ? shadows : 0) << name;
+    }
     EXPECT_NE(result.err.find("% of the slots traced a ray"), std::string::npos) << result.err;
 }
 
 TEST_F(CliWavefront, the_listing_of_the_wavefront_has_its_kernels_in_order_and_a_table_of_bounces) {
-    const Words words = kSmall + Words{"--max-bounces", "5", "--list-frame"};
-    const ProcessResult each = run_parhelion(words), once = run_parhelion(words + Words{"--set", "wavefront.connect=once"});
+    const Words words = kSmall + Words{"--max-bounces", "5", "--list-frame", "--set", "wavefront.classes=on"};
+    const ProcessResult each = run_parhelion(words + Words{"--set", "wavefront.connect=each_bounce"}), once = run_parhelion(words + Words{"--set", "wavefront.connect=once"});
     expect_in_order(each.out, {"wavefront/begin", "wavefront/generate", "wavefront/extend", "wavefront/sort", "wavefront/shade", "wavefront/connect", "wavefront/finalize", "bounce", "\n     5 "});
     expect_in_order(once.out, {"wavefront/begin", "6 times:\n", "| wavefront/generate", "| wavefront/extend", "| wavefront/shade", "  wavefront/connect", "  wavefront/finalize", "bounce"});
     EXPECT_EQ(each.out.find("times:", each.out.find("wavefront/begin")), std::string::npos);
@@ -83,7 +84,9 @@ TEST_F(CliWavefront, the_bench_of_the_wavefront_holds_its_forms_against_the_refe
         EXPECT_GT(run["mpaths_per_s"], 0.0);
         EXPECT_GT(run["to_best_reference"], 0.0);
         EXPECT_EQ(run["rays"], all["runs"][0]["rays"]);
-        if (run["renderer"] == "wavefront") EXPECT_GT(run["replay"]["extend"]["trace_share"], 0.0);
+        if (run["renderer"] == "wavefront") {
+            EXPECT_GT(run["replay"]["extend"]["trace_share"], 0.0);
+        }
     }
     EXPECT_EQ(cases.size(), 9u);
     EXPECT_TRUE(cases.contains("builtin:diffuse-box wavefront compute once full one_kernel 16x16 1"));
