@@ -51,12 +51,15 @@ TopItem make_top_item(const Bottoms& bottoms, uint32_t mesh, const glm::mat4& wo
 // The same for a bottom level that lies elsewhere by now: its root, and the root's place in the node array.
 TopItem make_top_item(const shared::BvhNode& root_node, uint32_t root, const glm::mat4& world_from_object, uint32_t instance, uint32_t mask = 0xFFu, uint32_t flags = 0);
 
+// The same where the inverse of the transform's linear part is known: its rows.
+TopItem make_top_item(const shared::BvhNode& root_node, uint32_t root, const glm::mat4& world_from_object, const glm::vec3 (&inverse_rows)[3], uint32_t instance, uint32_t mask, uint32_t flags);
+
 struct Top {
     Nodes nodes;  // the root is node 0; an empty scene has one node with no children
     std::vector<shared::BvhTopItem> items;
 };
 
-// At most 2^24 instances (the depth bound); throws Error beyond.
+// For what moves, MovingTop (moving_top.h) does less. At most 2^24 instances (the depth bound); throws Error beyond.
 Top build_top(std::span<const TopItem> items, Layout layout);
 
 }  // namespace parhelion::bvh

@@ -23,19 +23,7 @@ static_assert(sizeof(shared::BvhNodeBinary) == 64 && sizeof(shared::BvhNode) == 
 
 const LayoutInfo& info(Layout layout) { return kInfo[static_cast<size_t>(layout)]; }
 
-shared::BvhNode to_shared(const WideNode& node) {
-    shared::BvhNode out{};
-    for (int c = 0; c < 4; ++c) {
-        const Box& box = node.box[c];
-        out.min_x[c] = box.min.x, out.max_x[c] = box.max.x;
-        out.min_y[c] = box.min.y, out.max_y[c] = box.max.y;
-        out.min_z[c] = box.min.z, out.max_z[c] = box.max.z;
-        out.child[c] = node.child[c];
-    }
-    return out;
-}
-
-void write(const shared::BvhNode& node, Layout layout, void* to) {
+void encode(const shared::BvhNode& node, Layout layout, void* to) {
     const auto copy = [&](const auto& encoded) { std::memcpy(to, &encoded, sizeof(encoded)); };
     if (layout == Layout::Binary) copy(shared::encode_binary(node));
     else if (layout == Layout::Compact) copy(shared::encode_compact(node));
@@ -59,10 +47,24 @@ uint32_t node_bytes(Layout layout) { return info(layout).bytes; }
 uint32_t max_bottom_depth(Layout layout) { return shared::kBvhBottomLevels * 2 / node_width(layout); }
 uint32_t max_top_depth(Layout layout) { return shared::kBvhTopLevels * 2 / node_width(layout); }
 
+shared::BvhNode to_shared(const WideNode& node) {
+    shared::BvhNode out{};
+    for (int c = 0; c < 4; ++c) {
+        const Box& box = node.box[c];
+        out.min_x[c] = box.min.x, out.max_x[c] = box.max.x;
+        out.min_y[c] = box.min.y, out.max_y[c] = box.max.y;
+        out.min_z[c] = box.min.z, out.max_z[c] = box.max.z;
+        out.child[c] = node.child[c];
+    }
+    return out;
+}
+
 shared::BvhNode Nodes::read(size_t index) const {
     PARHELION_CHECK(index < size(), "node {} of {}", index, size());
     return shared::fetch_node(reinterpret_cast<uint64_t>(words.data()), static_cast<uint32_t>(index), static_cast<uint32_t>(layout));
 }
+
+void Nodes::write(size_t index, const shared::BvhNode& node) { encode(node, layout, words.data() + index * (node_bytes(layout) / sizeof(uint32_t))); }
 
 void Nodes::append(const WideTree& tree, uint32_t first_item) {
     PARHELION_CHECK(tree.width == node_width(layout), "a tree of width {} as nodes of layout {}", tree.width, layout_name(layout));
@@ -71,7 +73,7 @@ void Nodes::append(const WideTree& tree, uint32_t first_item) {
     parallel_for(tree.nodes.size(), kGrain, [&](size_t begin, size_t end) {
         for (size_t n = begin; n < end; ++n) {
             uint32_t* to = words.data() + (first_node + n) * node_words;
-            write(to_shared(tree.nodes[n]), layout, to);
+            encode(to_shared(tree.nodes[n]), layout, to);
             move_references(reinterpret_cast<std::byte*>(to), info(layout), static_cast<uint32_t>(first_node), first_item);
         }
     });

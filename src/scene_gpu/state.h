@@ -13,6 +13,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "bvh/moving_top.h"
 #include "bvh/refit.h"
 #include "scene_gpu/ranges.h"
 #include "scene_gpu/scene_gpu.h"
@@ -185,6 +186,8 @@ struct SceneGpu::State {
     std::vector<uint32_t> free_rows, left_rows;  // free now; left by this frame's edit, still seen by the previous top level
     gpu::Buffer instance_table, tlas_instances;
     uint32_t tlas_count = 0;
+    std::vector<bvh::TopItem> top_items;  // made anew with own_top; kept for its memory
+    bvh::MovingTop own_top;
     TopLevel next, now, before;
     // tables.cpp
     std::vector<RowSource> tables;

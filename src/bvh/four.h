@@ -1,0 +1,46 @@
+#pragma once
+// Four floats that fit a register. Compilers make one instruction of each of these functions, and six of glm's on vec3.
+
+namespace parhelion::bvh {
+
+struct alignas(16) Four {
+    float v[4];
+};
+
+inline Four all_four(float x) { return {{x, x, x, x}}; }
+inline Four operator+(const Four& a, const Four& b) {
+    Four out;
+    for (int i = 0; i < 4; ++i) out.v[i] = a.v[i] + b.v[i];
+    return out;
+}
+inline Four operator-(const Four& a, const Four& b) {
+    Four out;
+    for (int i = 0; i < 4; ++i) out.v[i] = a.v[i] - b.v[i];
+    return out;
+}
+inline Four operator*(const Four& a, const Four& b) {
+    Four out;
+    for (int i = 0; i < 4; ++i) out.v[i] = a.v[i] * b.v[i];
+    return out;
+}
+inline Four lower(const Four& a, const Four& b) {
+    Four out;
+    for (int i = 0; i < 4; ++i) out.v[i] = a.v[i] < b.v[i] ? a.v[i] : b.v[i];
+    return out;
+}
+inline Four higher(const Four& a, const Four& b) {
+    Four out;
+    for (int i = 0; i < 4; ++i) out.v[i] = a.v[i] > b.v[i] ? a.v[i] : b.v[i];
+    return out;
+}
+
+inline float lowest(const Four& a) {
+    const float x = a.v[0] < a.v[2] ? a.v[0] : a.v[2], y = a.v[1] < a.v[3] ? a.v[1] : a.v[3];
+    return x < y ? x : y;
+}
+inline float highest(const Four& a) {
+    const float x = a.v[0] > a.v[2] ? a.v[0] : a.v[2], y = a.v[1] > a.v[3] ? a.v[1] : a.v[3];
+    return x > y ? x : y;
+}
+
+}  // namespace parhelion::bvh
