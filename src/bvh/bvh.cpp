@@ -42,35 +42,32 @@ bool is_finite(const glm::vec3& v) {
     return std::abs(v.x) <= most && std::abs(v.y) <= most && std::abs(v.z) <= most;
 }
 
-// World box of an instance: that of its root's children, which is tighter under rotation than that of the whole. All four at once;
-// those that are not there stand where the first one does.
-Box world_box(const shared::BvhNode& root, const glm::mat4& place, const glm::vec3 (&inverse)[3]) {
-    uint32_t first = 0;
-    while (first < 4 && root.child[first] == shared::kBvhEmpty) ++first;
-    if (first == 4) return {};
-    Four middle[3], half[3];
-    const glm::vec4* const planes[3][2] = {{&root.min_x, &root.max_x}, {&root.min_y, &root.max_y}, {&root.min_z, &root.max_z}};
-    for (int axis = 0; axis < 3; ++axis) {
-        Four min, max;
-        for (int c = 0; c < 4; ++c) {
-            const int from = root.child[c] == shared::kBvhEmpty ? static_cast<int>(first) : c;
-            min.v[c] = (*planes[axis][0])[from], max.v[c] = (*planes[axis][1])[from];
-        }
-        middle[axis] = all_four(0.5f) * (min + max), half[axis] = all_four(0.5f) * (max - min);
-    }
-    glm::vec3 low, high, reach;
-    for (int r = 0; r < 3; ++r) {
-        const Four at = all_four(place[0][r]) * middle[0] + all_four(place[1][r]) * middle[1] + all_four(place[2][r]) * middle[2] + all_four(place[3][r]);
-        const Four around = all_four(std::abs(place[0][r])) * half[0] + all_four(std::abs(place[1][r])) * half[1] + all_four(std::abs(place[2][r])) * half[2];
-        low[r] = lowest(at - around), high[r] = highest(at + around);
-        reach[r] = std::max(std::abs(place[3][r]), std::max(std::abs(low[r]), std::abs(high[r])));
+Four column(const glm::mat4& m, int c) { return {{m[c].x, m[c].y, m[c].z, m[c].w}}; }
+Four absolute(const Four& a) {
+    Four out;
+    for (int i = 0; i < 4; ++i) out.v[i] = std::abs(a.v[i]);
+    return out;
+}
+
+Box world_box(const RootBoxes& root, const glm::mat4& place, const glm::vec3 (&inverse)[3]) {
+    if (root.count == 0) return {};
+    const Four x = column(place, 0), y = column(place, 1), z = column(place, 2), origin = column(place, 3);
+    const Four wide_x = absolute(x), wide_y = absolute(y), wide_z = absolute(z);
+    Four low = all_four(3e38f), high = all_four(-3e38f);
+    for (uint32_t c = 0; c < root.count; ++c) {
+        const glm::vec3 middle = root.middle[c], half = root.half[c];
+        const Four at = x * all_four(middle.x) + y * all_four(middle.y) + z * all_four(middle.z) + origin;
+        const Four around = wide_x * all_four(half.x) + wide_y * all_four(half.y) + wide_z * all_four(half.z);
+        low = lower(low, at - around), high = higher(high, at + around);
     }
     // A ray is rounded on its way into object space. Carried back, that is 16 units in the last place of the coordinates involved, times
     // the transform's condition. What is computed above is off by at most 12 of them: it takes a coordinate of the object at most twice
     // as far as `reach` is carried there. The traversal adds what the ray's own origin brings.
-    const glm::vec3 carried(glm::dot(glm::abs(inverse[0]), reach), glm::dot(glm::abs(inverse[1]), reach), glm::dot(glm::abs(inverse[2]), reach));
-    const glm::vec3 margin = 2e-6f * (carried.x * glm::abs(glm::vec3(place[0])) + carried.y * glm::abs(glm::vec3(place[1])) + carried.z * glm::abs(glm::vec3(place[2])));
-    const Box box{low - margin, high + margin};
+    const Four reach = higher(absolute(origin), higher(absolute(low), absolute(high)));
+    const auto carried = [&](int r) { return all_four(2e-6f * (std::abs(inverse[r].x) * reach.v[0] + std::abs(inverse[r].y) * reach.v[1] + std::abs(inverse[r].z) * reach.v[2])); };
+    const Four margin = wide_x * carried(0) + wide_y * carried(1) + wide_z * carried(2);
+    const Four from = low - margin, to = high + margin;
+    const Box box{{from.v[0], from.v[1], from.v[2]}, {to.v[0], to.v[1], to.v[2]}};
     return in_range(box.min) && in_range(box.max) ? box : Box{};
 }
 
@@ -108,16 +105,25 @@ uint32_t add_bottom(Bottoms& bottoms, std::span<const BottomGeometry> geometries
 
 TopItem make_top_item(const Bottoms& bottoms, uint32_t mesh, const glm::mat4& world_from_object, uint32_t instance, uint32_t mask, uint32_t flags) {
     const uint32_t root = bottoms.roots.at(mesh);
-    return make_top_item(bottoms.nodes.read(root), root, world_from_object, instance, mask, flags);
+    return make_top_item(RootBoxes(bottoms.nodes.read(root)), root, world_from_object, instance, mask, flags);
 }
 
-TopItem make_top_item(const shared::BvhNode& root_node, uint32_t root, const glm::mat4& world_from_object, uint32_t instance, uint32_t mask, uint32_t flags) {
+RootBoxes::RootBoxes(const shared::BvhNode& root) {
+    for (int c = 0; c < 4; ++c) {
+        if (root.child[c] == shared::kBvhEmpty) continue;
+        const glm::vec3 min(root.min_x[c], root.min_y[c], root.min_z[c]), max(root.max_x[c], root.max_y[c], root.max_z[c]);
+        middle[count] = 0.5f * (min + max);
+        half[count++] = 0.5f * (max - min);
+    }
+}
+
+TopItem make_top_item(const RootBoxes& root_boxes, uint32_t root, const glm::mat4& world_from_object, uint32_t instance, uint32_t mask, uint32_t flags) {
     const glm::dmat3 inverse = glm::inverse(glm::dmat3(glm::mat3(world_from_object)));
     const glm::vec3 rows[3] = {{inverse[0][0], inverse[1][0], inverse[2][0]}, {inverse[0][1], inverse[1][1], inverse[2][1]}, {inverse[0][2], inverse[1][2], inverse[2][2]}};
-    return make_top_item(root_node, root, world_from_object, rows, instance, mask, flags);
+    return make_top_item(root_boxes, root, world_from_object, rows, instance, mask, flags);
 }
 
-TopItem make_top_item(const shared::BvhNode& root_node, uint32_t root, const glm::mat4& world_from_object, const glm::vec3 (&inverse_rows)[3], uint32_t instance, uint32_t mask, uint32_t flags) {
+TopItem make_top_item(const RootBoxes& root_boxes, uint32_t root, const glm::mat4& world_from_object, const glm::vec3 (&inverse_rows)[3], uint32_t instance, uint32_t mask, uint32_t flags) {
     const glm::vec3 origin(world_from_object[3]);
     TopItem out{.item = {.row0 = inverse_rows[0],
                          .instance = instance,
@@ -130,7 +136,7 @@ TopItem make_top_item(const shared::BvhNode& root_node, uint32_t root, const glm
                 .box_ws = {}};
     bool usable = in_range(origin);
     for (int i = 0; i < 3; ++i) usable &= is_finite(glm::vec3(world_from_object[i])) && is_finite(inverse_rows[i]);
-    if (usable) out.box_ws = world_box(root_node, world_from_object, inverse_rows);
+    if (usable) out.box_ws = world_box(root_boxes, world_from_object, inverse_rows);
     return out;
 }
 

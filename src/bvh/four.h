@@ -34,13 +34,14 @@ inline Four higher(const Four& a, const Four& b) {
     return out;
 }
 
+// Of all four.
 inline float lowest(const Four& a) {
-    const float x = a.v[0] < a.v[2] ? a.v[0] : a.v[2], y = a.v[1] < a.v[3] ? a.v[1] : a.v[3];
-    return x < y ? x : y;
+    const Four pairs = lower(a, {{a.v[2], a.v[3], a.v[0], a.v[1]}});
+    return lower(pairs, {{pairs.v[1], pairs.v[0], pairs.v[3], pairs.v[2]}}).v[0];
 }
 inline float highest(const Four& a) {
-    const float x = a.v[0] > a.v[2] ? a.v[0] : a.v[2], y = a.v[1] > a.v[3] ? a.v[1] : a.v[3];
-    return x > y ? x : y;
+    const Four pairs = higher(a, {{a.v[2], a.v[3], a.v[0], a.v[1]}});
+    return higher(pairs, {{pairs.v[1], pairs.v[0], pairs.v[3], pairs.v[2]}}).v[0];
 }
 
 }  // namespace parhelion::bvh

@@ -65,7 +65,7 @@ struct MeshOnDevice {
 
     // Ours: its rows in the shared arrays. `own_host` is the tree on its way there.
     std::unique_ptr<bvh::Bottoms> own_host;
-    shared::BvhNode own_root{};
+    bvh::RootBoxes own_root;
     std::optional<uint32_t> own_flags;  // BvhTopItem's, as its materials have it
     uint64_t own_nodes = 0, own_node_count = 0, own_triangles = 0, own_triangle_count = 0, own_done_rows = 0;
     bool own_ready = false;
