@@ -193,6 +193,7 @@ struct SceneGpu::State {
     std::vector<RowSource> tables;
     uint64_t table_rows_done = 0;
     gpu::Buffer sampler_tables, bsdf_tables;
+    std::vector<gpu::SceneSet> sets;  // the one of `binding`, those of frames on their way, and free ones
     SceneBinding binding;
     SceneGpuStats stats;
 
@@ -236,6 +237,7 @@ struct SceneGpu::State {
     // Step 3.
     void publish(Frame& frame);
     void write_header(Frame& frame);
+    gpu::SceneSet free_set(uint32_t textures);
     void forget_unwanted();
     void forget_meshes(const std::function<bool(const MeshOnDevice&)>& choose);
 
