@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "bvh/four.h"
+#include "bvh/bounds.h"
 #include "bvh/moving_top.h"
 
 namespace parhelion::bvh {

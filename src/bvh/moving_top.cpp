@@ -9,21 +9,9 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "bvh/collapse.h"
-#include "bvh/four.h"
 #include "bvh/top_tree.h"
 
 namespace parhelion::bvh {
-
-namespace {
-
-Four four(const glm::vec4& v) { return {{v.x, v.y, v.z, v.w}}; }
-
-// All children's boxes in one; those of children that are not there are empty.
-Box joined(const shared::BvhNode& node) {
-    return {{lowest(four(node.min_x)), lowest(four(node.min_y)), lowest(four(node.min_z))}, {highest(four(node.max_x)), highest(four(node.max_y)), highest(four(node.max_z))}};
-}
-
-}  // namespace
 
 bool worn_out(const TopCost& built, const TopCost& now, uint32_t refits) {
     return refits > kMostRefits || now.sum > kMostWear * built.sum || now.relative() > kMostWear * built.relative();
@@ -46,7 +34,7 @@ const Top& MovingTop::update(std::span<const TopItem> items) {
 
 // As many boxes as there are leaves; and fit_nodes() finds one for each leaf: then it is the same items that have none.
 bool MovingTop::may_serve(std::span<const TopItem> items) const {
-    return !nodes_.empty() && items.size() == item_count_ && size_t(std::ranges::count_if(items, [](const TopItem& item) { return !item.box_ws.empty(); })) == order_.size();
+    return !children_.empty() && items.size() == item_count_ && size_t(std::ranges::count_if(items, [](const TopItem& item) { return !item.box_ws.empty(); })) == order_.size();
 }
 
 void MovingTop::build(std::span<const TopItem> items) {
@@ -57,20 +45,22 @@ void MovingTop::build(std::span<const TopItem> items) {
     item_count_ = items.size();
     order_ = std::move(tree.order);
     parts_ = std::move(tree.parts);
-    nodes_.resize(tree.nodes.size());
-    std::ranges::transform(tree.nodes, nodes_.begin(), to_shared);
-    top_.nodes.words.resize(nodes_.size() * node_bytes(layout) / sizeof(uint32_t));
+    bounds_.resize(tree.nodes.size());
+    children_.resize(tree.nodes.size());
+    std::ranges::transform(tree.nodes, children_.begin(), [](const WideNode& node) { return glm::uvec4(node.child[0], node.child[1], node.child[2], node.child[3]); });
+    top_.nodes.words.resize(children_.size() * node_bytes(layout) / sizeof(uint32_t));
     top_.items.resize(order_.size());
 }
 
 // Parts side by side, then what is above them; sums in that order, so that they do not show the threads.
 void MovingTop::fit(std::span<const TopItem> items) {
+    const auto node_count = static_cast<uint32_t>(children_.size());
     std::vector<double> sums(parts_.size());
     parallel_for(parts_.size(), 1, [&](size_t begin, size_t end) {
-        for (size_t p = begin; p < end; ++p) sums[p] = fit_nodes(items, parts_[p], p + 1 < parts_.size() ? parts_[p + 1] : static_cast<uint32_t>(nodes_.size()));
+        for (size_t p = begin; p < end; ++p) sums[p] = fit_nodes(items, parts_[p], p + 1 < parts_.size() ? parts_[p + 1] : node_count);
     });
-    const double above = fit_nodes(items, 0, parts_.empty() ? static_cast<uint32_t>(nodes_.size()) : parts_.front());
-    cost_.root = double(joined(nodes_.front()).half_area());
+    const double above = fit_nodes(items, 0, parts_.empty() ? node_count : parts_.front());
+    cost_.root = order_.empty() ? 0 : double(bounds_.front().half_area());
     cost_.sum = std::accumulate(sums.begin(), sums.end(), above + double(node_cost(node_width(top_.nodes.layout))) * cost_.root);
 }
 
@@ -80,26 +70,24 @@ double MovingTop::fit_nodes(std::span<const TopItem> items, uint32_t begin, uint
     const uint32_t width = node_width(top_.nodes.layout);
     double inner = 0, leaves = 0;
     for (uint32_t n = end; n-- > begin;) {
-        shared::BvhNode& node = nodes_[n];
+        Bounds boxes[4], all;
         for (uint32_t c = 0; c < width; ++c) {
-            const uint32_t child = node.child[c];
+            const uint32_t child = children_[n][c];
             if (child == shared::kBvhEmpty) continue;
-            Box box;
             if ((child & shared::kBvhLeaf) != 0) {
                 const uint32_t leaf = child & shared::kBvhItemMask;
                 const TopItem& item = items[order_[leaf]];
                 top_.items[leaf] = item.item;
-                box = item.box_ws;
-                leaves += box.empty() ? std::numeric_limits<double>::infinity() : double(box.half_area());
+                boxes[c] = to_bounds(item.box_ws);
+                leaves += item.box_ws.empty() ? std::numeric_limits<double>::infinity() : double(boxes[c].half_area());
             } else {
-                box = joined(nodes_[child]);
-                inner += double(box.half_area());
+                boxes[c] = bounds_[child];
+                inner += double(boxes[c].half_area());
             }
-            node.min_x[c] = box.min.x, node.max_x[c] = box.max.x;
-            node.min_y[c] = box.min.y, node.max_y[c] = box.max.y;
-            node.min_z[c] = box.min.z, node.max_z[c] = box.max.z;
+            all.add(boxes[c]);
         }
-        top_.nodes.write(n, node);
+        bounds_[n] = all;
+        top_.nodes.write(n, {.min_x = lows(boxes, 0), .max_x = highs(boxes, 0), .min_y = lows(boxes, 1), .max_y = highs(boxes, 1), .min_z = lows(boxes, 2), .max_z = highs(boxes, 2), .child = children_[n]});
     }
     return double(node_cost(width)) * inner + leaves;
 }

@@ -2,6 +2,7 @@
 // The top level of a scene whose instances move. From frame to frame the tree stays and gets new boxes, from its leaves up, as long as
 // they are as good as a new tree's would be, about; then a new one is built. Which of both happens depends on the boxes alone, never
 // on time, and no hit depends on it (docs/architecture.md): a tree only says what a ray need not look at.
+#include "bvh/bounds.h"
 #include "bvh/bvh.h"
 
 namespace parhelion::bvh {
@@ -38,9 +39,10 @@ private:
     void fit(std::span<const TopItem> items);
     double fit_nodes(std::span<const TopItem> items, uint32_t begin, uint32_t end);
 
-    std::vector<shared::BvhNode> nodes_;  // parents first
-    std::vector<uint32_t> order_;         // by leaf: its item
-    std::vector<uint32_t> parts_;         // TopTree's
+    std::vector<glm::uvec4> children_;  // by node, parents first
+    std::vector<Bounds> bounds_;        // by node: all its children's
+    std::vector<uint32_t> order_;       // by leaf: its item
+    std::vector<uint32_t> parts_;       // TopTree's
     size_t item_count_ = 0;
     TopCost built_, cost_;
     uint32_t refits_ = 0;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bvh/wide_tree.h"
+#include "lib/bvh_nodes.glsl"
 
 namespace parhelion::bvh {
 
@@ -21,6 +22,8 @@ uint32_t max_bottom_depth(Layout layout);
 uint32_t max_top_depth(Layout layout);
 
 shared::BvhNode to_shared(const WideNode& node);
+// shared::quantise_axis(), to the last bit, where children that are not there have empty planes: 3e38 and -3e38.
+shared::QuantisedAxis quantise_axis(const glm::vec4& low, const glm::vec4& high);
 
 struct Nodes {
     Layout layout = Layout::Four;

@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "bvh/four.h"
+#include "bvh/bounds.h"
 
 namespace parhelion::bvh {
 
@@ -18,20 +18,6 @@ namespace {
 constexpr uint32_t kBins = 16;
 constexpr uint32_t kSmall = 8;       // ranges up to this size are sorted, and every split is tried
 constexpr uint32_t kSubtree = 1024;  // ranges up to this size are built by one thread
-
-struct Bounds {
-    Four low{{3e38f, 3e38f, 3e38f, 3e38f}}, high{{-3e38f, -3e38f, -3e38f, -3e38f}};  // empty
-    void add(const Bounds& b) { low = lower(low, b.low), high = higher(high, b.high); }
-    void add(const Four& p) { low = lower(low, p), high = higher(high, p); }
-    float extent(int axis) const { return high.v[axis] - low.v[axis]; }
-    float half_area() const { return extent(0) * extent(1) + extent(1) * extent(2) + extent(2) * extent(0); }
-    int widest() const { return extent(0) >= extent(1) && extent(0) >= extent(2) ? 0 : extent(1) >= extent(2) ? 1 : 2; }
-    float center(int axis) const { return low.v[axis] + high.v[axis]; }  // twice: saves a product
-    Four center() const { return low + high; }
-};
-
-Bounds to_bounds(const Box& box) { return {{{box.min.x, box.min.y, box.min.z, 0}}, {{box.max.x, box.max.y, box.max.z, 0}}}; }
-Box to_box(const Bounds& b) { return {{b.low.v[0], b.low.v[1], b.low.v[2]}, {b.high.v[0], b.high.v[1], b.high.v[2]}}; }
 
 // Items that belong together: `side` says in which of the two arrays. A split writes its halves into the other one.
 struct Range {
