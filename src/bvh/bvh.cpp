@@ -142,8 +142,10 @@ TopItem make_top_item(const RootBoxes& root_boxes, uint32_t root, const glm::mat
 
 Top build_top(std::span<const TopItem> items, Layout layout) {
     MovingTop top(layout);
-    top.update(items);
-    return std::move(top).take();
+    top.begin(items.size());
+    for (size_t i = 0; i < items.size(); ++i) top.set(i, items[i]);
+    top.finish();
+    return {top.nodes(), {top.items().begin(), top.items().end()}};
 }
 
 }  // namespace parhelion::bvh

@@ -3,7 +3,6 @@
 #include "bvh/moving_top.h"
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 
 #include "base/error.h"
@@ -13,83 +12,86 @@
 
 namespace parhelion::bvh {
 
+namespace {
+constexpr size_t kGrain = 1024;
+}
+
 bool worn_out(const TopCost& built, const TopCost& now, uint32_t refits) {
     return refits > kMostRefits || now.sum > kMostWear * built.sum || now.relative() > kMostWear * built.relative();
 }
 
-const Top& MovingTop::update(std::span<const TopItem> items) {
-    if (items.size() > size_t(1) << shared::kBvhTopLevels)
-        throw Error(ErrorCode::Failed, fmt::format("the scene has {} instances; our own BVH holds 2^24", items.size()), "own BVH", "trace by pipeline or query");
-    if (may_serve(items)) {
+void MovingTop::begin(size_t count) {
+    if (count > size_t(1) << shared::kBvhTopLevels)
+        throw Error(ErrorCode::Failed, fmt::format("the scene has {} instances; our own BVH holds 2^24", count), "own BVH", "trace by pipeline or query");
+    if (count != given_.size()) children_.clear();
+    given_.resize(count);
+    given_bounds_.resize(count);
+}
+
+void MovingTop::finish() {
+    if (!children_.empty() && all_boxes_are_in_leaves()) {
         ++refits_;
-        fit(items);
-        if (!worn_out(built_, cost_, refits_)) return top_;
+        fit();
+        if (!worn_out(built_, cost_, refits_)) return;
     }
-    build(items);
-    fit(items);
+    build();
+    fit();
     built_ = cost_;
     refits_ = 0;
-    return top_;
 }
 
-// As many boxes as there are leaves; and fit_nodes() finds one for each leaf: then it is the same items that have none.
-bool MovingTop::may_serve(std::span<const TopItem> items) const {
-    return !children_.empty() && items.size() == item_count_ && size_t(std::ranges::count_if(items, [](const TopItem& item) { return !item.box_ws.empty(); })) == order_.size();
+// There are as many boxes as leaves. If one in a leaf is gone and another has come, the tree's cost says so.
+bool MovingTop::all_boxes_are_in_leaves() const {
+    return size_t(std::ranges::count_if(given_bounds_, [](const Bounds& b) { return b.low.v[0] <= b.high.v[0]; })) == order_.size();
 }
 
-void MovingTop::build(std::span<const TopItem> items) {
-    boxes_.resize(items.size());
-    for (size_t i = 0; i < items.size(); ++i) boxes_[i] = items[i].box_ws;
-    const Layout layout = top_.nodes.layout;
-    TopTree tree = build_top_tree(boxes_, node_width(layout), max_top_depth(layout));
-    item_count_ = items.size();
+void MovingTop::build() {
+    std::vector<Box> boxes(given_bounds_.size());
+    std::ranges::transform(given_bounds_, boxes.begin(), to_box);
+    TopTree tree = build_top_tree(boxes, node_width(nodes_.layout), max_top_depth(nodes_.layout));
     order_ = std::move(tree.order);
     parts_ = std::move(tree.parts);
-    bounds_.resize(tree.nodes.size());
+    items_.resize(order_.size());
+    bounds_.resize(order_.size() + tree.nodes.size());
     children_.resize(tree.nodes.size());
     std::ranges::transform(tree.nodes, children_.begin(), [](const WideNode& node) { return glm::uvec4(node.child[0], node.child[1], node.child[2], node.child[3]); });
-    top_.nodes.words.resize(children_.size() * node_bytes(layout) / sizeof(uint32_t));
-    top_.items.resize(order_.size());
+    nodes_.words.resize(children_.size() * node_bytes(nodes_.layout) / sizeof(uint32_t));
 }
 
-// Parts side by side, then what is above them; sums in that order, so that they do not show the threads.
-void MovingTop::fit(std::span<const TopItem> items) {
+// Leaves, parts side by side, then what is above these; sums in that order, so that they do not show the threads.
+void MovingTop::fit() {
+    parallel_for(order_.size(), kGrain, [&](size_t begin, size_t end) {
+        for (size_t leaf = begin; leaf < end; ++leaf) items_[leaf] = given_[order_[leaf]], bounds_[leaf] = given_bounds_[order_[leaf]];
+    });
     const auto node_count = static_cast<uint32_t>(children_.size());
     std::vector<double> sums(parts_.size());
     parallel_for(parts_.size(), 1, [&](size_t begin, size_t end) {
-        for (size_t p = begin; p < end; ++p) sums[p] = fit_nodes(items, parts_[p], p + 1 < parts_.size() ? parts_[p + 1] : node_count);
+        for (size_t p = begin; p < end; ++p) sums[p] = fit_nodes(parts_[p], p + 1 < parts_.size() ? parts_[p + 1] : node_count);
     });
-    const double above = fit_nodes(items, 0, parts_.empty() ? node_count : parts_.front());
-    cost_.root = order_.empty() ? 0 : double(bounds_.front().half_area());
-    cost_.sum = std::accumulate(sums.begin(), sums.end(), above + double(node_cost(node_width(top_.nodes.layout))) * cost_.root);
+    const double above = fit_nodes(0, parts_.empty() ? node_count : parts_.front());
+    cost_.root = order_.empty() ? 0 : double(bounds_[order_.size()].half_area());
+    cost_.sum = std::accumulate(sums.begin(), sums.end(), above + double(node_cost(node_width(nodes_.layout))) * cost_.root);
 }
 
-// Nodes [begin, end) from the last up, and the items in their leaves; returns the cost of all their children, infinite if one of the
-// items has no box.
-double MovingTop::fit_nodes(std::span<const TopItem> items, uint32_t begin, uint32_t end) {
-    const uint32_t width = node_width(top_.nodes.layout);
-    double inner = 0, leaves = 0;
+// Nodes [begin, end) from the last up; returns the cost of all their children: infinite if one is a leaf whose item has no box.
+double MovingTop::fit_nodes(uint32_t begin, uint32_t end) {
+    const uint32_t width = node_width(nodes_.layout);
+    const auto first_node = static_cast<uint32_t>(order_.size());
+    const float cost[2] = {node_cost(width), 1.0f};
+    double sum = 0;
     for (uint32_t n = end; n-- > begin;) {
+        const glm::uvec4& children = children_[n];
         Bounds boxes[4], all;
-        for (uint32_t c = 0; c < width; ++c) {
-            const uint32_t child = children_[n][c];
-            if (child == shared::kBvhEmpty) continue;
-            if ((child & shared::kBvhLeaf) != 0) {
-                const uint32_t leaf = child & shared::kBvhItemMask;
-                const TopItem& item = items[order_[leaf]];
-                top_.items[leaf] = item.item;
-                boxes[c] = to_bounds(item.box_ws);
-                leaves += item.box_ws.empty() ? std::numeric_limits<double>::infinity() : double(boxes[c].half_area());
-            } else {
-                boxes[c] = bounds_[child];
-                inner += double(boxes[c].half_area());
-            }
+        for (uint32_t c = 0; c < width && children[c] != shared::kBvhEmpty; ++c) {
+            const bool leaf = (children[c] & shared::kBvhLeaf) != 0;
+            boxes[c] = bounds_[leaf ? children[c] & shared::kBvhItemMask : first_node + children[c]];
+            sum += double(cost[leaf] * boxes[c].half_area());
             all.add(boxes[c]);
         }
-        bounds_[n] = all;
-        top_.nodes.write(n, {.min_x = lows(boxes, 0), .max_x = highs(boxes, 0), .min_y = lows(boxes, 1), .max_y = highs(boxes, 1), .min_z = lows(boxes, 2), .max_z = highs(boxes, 2), .child = children_[n]});
+        bounds_[first_node + n] = all;
+        nodes_.write(n, {.min_x = lows(boxes, 0), .max_x = highs(boxes, 0), .min_y = lows(boxes, 1), .max_y = highs(boxes, 1), .min_z = lows(boxes, 2), .max_z = highs(boxes, 2), .child = children});
     }
-    return double(node_cost(width)) * inner + leaves;
+    return sum;
 }
 
 }  // namespace parhelion::bvh

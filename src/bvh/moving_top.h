@@ -23,31 +23,39 @@ bool worn_out(const TopCost& built, const TopCost& now, uint32_t refits);
 
 class MovingTop {
 public:
-    explicit MovingTop(Layout layout) { top_.nodes.layout = layout; }
+    explicit MovingTop(Layout layout) { nodes_.layout = layout; }
 
-    // The top level over these items, valid until the next call. The tree stays if as many items as before have boxes, in the same
-    // places of the array, and it is not worn out. At most 2^24 items (the depth bound); throws Error beyond.
-    const Top& update(std::span<const TopItem> items);
+    // A frame: begin() says how many items there are, set() every one of them (several threads may, each others), finish() makes the
+    // top level, which is valid until the next begin(). The tree stays if it has as many items as before, the same of them have boxes,
+    // and it is not worn out. At most 2^24 items (the depth bound); throws Error beyond.
+    void begin(size_t count);
+    void set(size_t i, const TopItem& item) {
+        given_[i] = item.item;
+        given_bounds_[i] = to_bounds(item.box_ws);
+    }
+    void finish();
 
+    const Nodes& nodes() const { return nodes_; }
+    std::span<const shared::BvhTopItem> items() const { return items_; }  // by leaf
     const TopCost& cost() const { return cost_; }
     uint32_t refits() const { return refits_; }  // since the tree was built
-    Top take() && { return std::move(top_); }
 
 private:
-    bool may_serve(std::span<const TopItem> items) const;
-    void build(std::span<const TopItem> items);
-    void fit(std::span<const TopItem> items);
-    double fit_nodes(std::span<const TopItem> items, uint32_t begin, uint32_t end);
+    bool all_boxes_are_in_leaves() const;
+    void build();
+    void fit();
+    double fit_nodes(uint32_t begin, uint32_t end);
 
-    std::vector<glm::uvec4> children_;  // by node, parents first
-    std::vector<Bounds> bounds_;        // by node: all its children's
-    std::vector<uint32_t> order_;       // by leaf: its item
-    std::vector<uint32_t> parts_;       // TopTree's
-    size_t item_count_ = 0;
+    std::vector<shared::BvhTopItem> given_;  // in the caller's order
+    std::vector<Bounds> given_bounds_;
+    std::vector<uint32_t> order_;            // by leaf: which of them
+    std::vector<shared::BvhTopItem> items_;  // by leaf
+    std::vector<Bounds> bounds_;             // by leaf; then by node: around all of its children
+    std::vector<glm::uvec4> children_;       // by node, parents first
+    std::vector<uint32_t> parts_;            // TopTree's
     TopCost built_, cost_;
     uint32_t refits_ = 0;
-    std::vector<Box> boxes_;
-    Top top_;
+    Nodes nodes_;
 };
 
 }  // namespace parhelion::bvh

@@ -186,8 +186,7 @@ struct SceneGpu::State {
     std::vector<uint32_t> free_rows, left_rows;  // free now; left by this frame's edit, still seen by the previous top level
     gpu::Buffer instance_table, tlas_instances;
     uint32_t tlas_count = 0;
-    std::vector<bvh::TopItem> top_items;  // made anew with own_top; kept for its memory
-    bvh::MovingTop own_top;
+    bvh::MovingTop own_top;  // stays as it is until its tables are up
     TopLevel next, now, before;
     // tables.cpp
     std::vector<RowSource> tables;
