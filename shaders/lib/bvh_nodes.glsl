@@ -51,13 +51,13 @@ SHARED_FN float next_scale(float scale) { return uintBitsToFloat((floatBitsToUin
 // A first guess at the n of a plane: right, or one off, as far as exact planes go. Rounding keeps their order.
 SHARED_FN float guess_n(float origin, float per_scale, float plane) { return float(int(min(max((plane - origin) * per_scale, 0.0f), 255.0f))); }
 
-// The largest n whose plane does not lie above `plane`, or one less; plane 0 never does.
+// The largest n whose plane does not lie above `plane`; plane 0 never does.
 SHARED_FN uint quantise_down(float origin, float scale, float per_scale, float plane) {
-    const float n = guess_n(origin, per_scale, plane);
-    return uint(int(max(n - (quantised_plane(origin, scale, n) > plane ? 1.0f : 0.0f), 0.0f)));
+    const float guess = guess_n(origin, per_scale, plane), n = guess - (quantised_plane(origin, scale, guess) > plane ? 1.0f : 0.0f);
+    return uint(int(min(max(n + (quantised_plane(origin, scale, n + 1.0f) <= plane ? 1.0f : 0.0f), 0.0f), 255.0f)));
 }
 
-// The smallest n whose plane does not lie below `plane`, or one more; plane 255 never does.
+// The smallest n whose plane does not lie below `plane`; plane 255 never does.
 SHARED_FN uint quantise_up(float origin, float scale, float per_scale, float plane) {
     const float guess = guess_n(origin, per_scale, plane), n = guess + (quantised_plane(origin, scale, guess) < plane ? 1.0f : 0.0f);
     return uint(int(min(n + (quantised_plane(origin, scale, n) < plane ? 1.0f : 0.0f), 255.0f)));

@@ -55,8 +55,10 @@ shared::QuantisedAxis quantise_axis(const glm::vec4& low_planes, const glm::vec4
     axis.origin = first <= last ? first : 0.0f;
     axis.scale = shared::next_scale(first <= last ? std::max((last - first) * (1.0f / 255.0f), smallest) : smallest);
     const Four origin = all_four(axis.origin), scale = all_four(axis.scale), per_scale = all_four(1.0f / axis.scale);
-    const Four from = guesses(low - origin, per_scale);
-    axis.low = pack_bytes(higher(from - one_where_less(low, origin + from * scale), all_four(0.0f)));
+    Four from = guesses(low - origin, per_scale);
+    from = from - one_where_less(low, origin + from * scale);
+    from = from + all_four(1.0f) - one_where_less(low, origin + (from + all_four(1.0f)) * scale);
+    axis.low = pack_bytes(lower(higher(from, all_four(0.0f)), all_four(255.0f)));
     Four to = guesses(high - origin, per_scale);
     to = to + one_where_less(origin + to * scale, high);
     to = to + one_where_less(origin + to * scale, high);
