@@ -192,6 +192,7 @@ void SceneGpu::State::place_own_top(std::span<const uint32_t> drawn, std::span<M
     own_top.finish();
     next.plain = plain;
     stats.own_top_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    stats.own_top_refits = own_top.refits();
     stats.own_top_bytes = own_top.nodes().bytes() + own_top.items().size_bytes();
     next.nodes = make_table("top_nodes", std::span<const uint32_t>(own_top.nodes().words));
     next.items = make_table("top_items", own_top.items());
