@@ -48,15 +48,27 @@ struct TopItem {
 // `instance` is what hits report; rays see it if their mask shares a bit with `mask`; `flags` are BvhTopItem's.
 TopItem make_top_item(const Bottoms& bottoms, uint32_t mesh, const glm::mat4& world_from_object, uint32_t instance, uint32_t mask = 0xFFu, uint32_t flags = 0);
 
-// The same for a bottom level that lies elsewhere by now: its root, and the root's place in the node array.
-TopItem make_top_item(const shared::BvhNode& root_node, uint32_t root, const glm::mat4& world_from_object, uint32_t instance, uint32_t mask = 0xFFu, uint32_t flags = 0);
+// The boxes in a bottom level's root: an instance's box is around what they become in the world, which is tighter under rotation than
+// the whole's.
+struct RootBoxes {
+    RootBoxes() = default;
+    explicit RootBoxes(const shared::BvhNode& root);
+    uint32_t count = 0;
+    glm::vec3 middle[4], half[4];
+};
+
+// The same for a bottom level that lies elsewhere by now: what its root holds, and the root's place in the node array.
+TopItem make_top_item(const RootBoxes& root_boxes, uint32_t root, const glm::mat4& world_from_object, uint32_t instance, uint32_t mask = 0xFFu, uint32_t flags = 0);
+
+// And where the inverse of the transform's linear part is known: its rows.
+TopItem make_top_item(const RootBoxes& root_boxes, uint32_t root, const glm::mat4& world_from_object, const glm::vec3 (&inverse_rows)[3], uint32_t instance, uint32_t mask, uint32_t flags);
 
 struct Top {
     Nodes nodes;  // the root is node 0; an empty scene has one node with no children
     std::vector<shared::BvhTopItem> items;
 };
 
-// At most 2^24 instances (the depth bound); throws Error beyond.
+// For what moves, MovingTop (moving_top.h) does less. At most 2^24 instances (the depth bound); throws Error beyond.
 Top build_top(std::span<const TopItem> items, Layout layout);
 
 }  // namespace parhelion::bvh

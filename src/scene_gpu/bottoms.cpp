@@ -69,7 +69,7 @@ void SceneGpu::State::build_own_bottoms(Frame& frame, Slice& slice) {
             stats.own_build_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
             slice.take_triangles(mesh.triangle_count);
             take_own_rows(frame, mesh, mesh.own_host->nodes.size(), mesh.own_host->triangles.size());
-            mesh.own_root = mesh.own_host->nodes.read(mesh.own_host->roots.front());
+            mesh.own_root = bvh::RootBoxes(mesh.own_host->nodes.read(mesh.own_host->roots.front()));
         }
         const RowSource rows[] = {own_node_rows(mesh), own_triangle_rows(mesh)};
         if (!upload_rows(frame, slice, rows, mesh.own_done_rows)) return;
