@@ -16,8 +16,9 @@ std::vector<BenchCase> wavefront_bench_cases(const BenchCase& base, std::span<co
     for (const gpu::TraceWay way : ways)
         for (const ConnectWhen connect : {ConnectWhen::EachBounce, ConnectWhen::Once})
             for (const WavefrontDispatch dispatch : {WavefrontDispatch::Indirect, WavefrontDispatch::Full})
-                for (const WavefrontClasses classes : {WavefrontClasses::On, WavefrontClasses::Off}) {
-                    const bool usual = connect == ConnectWhen::EachBounce && dispatch == WavefrontDispatch::Indirect && classes == WavefrontClasses::On;
+                for (const bool classes : {true, false}) {
+                    const WavefrontOptions by_default;
+                    const bool usual = connect == by_default.connect && dispatch == by_default.dispatch && classes == by_default.classes;
                     if (way != full_way && !usual) continue;
                     BenchCase what = base;
                     what.way = way;
@@ -29,12 +30,12 @@ std::vector<BenchCase> wavefront_bench_cases(const BenchCase& base, std::span<co
 }
 
 std::string wavefront_variant(const WavefrontOptions& options) {
-    return fmt::format("{} {} {}", connect_name(options.connect), dispatch_name(options.dispatch), options.classes == WavefrontClasses::Off ? "one_kernel" : "classes");
+    return fmt::format("{} {} {}", connect_name(options.connect), dispatch_name(options.dispatch), options.classes ? "classes" : "one_kernel");
 }
 
 std::vector<std::string> wavefront_assignments(const WavefrontOptions& options) {
     return {fmt::format("wavefront.connect={}", connect_name(options.connect)), fmt::format("wavefront.dispatch={}", dispatch_name(options.dispatch)),
-            fmt::format("wavefront.classes={}", options.classes == WavefrontClasses::Off ? "off" : "on")};
+            fmt::format("wavefront.classes={}", options.classes ? "on" : "off")};
 }
 
 std::optional<double> to_best_reference(const BenchRow& row, const std::vector<BenchRow>& rows) {

@@ -53,7 +53,7 @@ TEST_F(FrameListing, the_wavefront_records_the_kernels_that_are_written_down) {
         View view(device(), {.width = 64, .height = 64, .camera = shader_camera(camera, 1.0f), .max_bounces = 4});
         view.prepare(stage.frame);
         stage.frame.run();
-        Wavefront wavefront(device(), {.connect = when, .classes = WavefrontClasses::On});
+        Wavefront wavefront(device(), {.connect = when, .classes = true});
         wavefront.start({.first_row = 0, .row_count = 64, .first_sample = 0, .sample_count = 2});
         wavefront.record(stage.frame, stage.scene_gpu, gpu::TraceWay::Compute, view);
         stage.frame.run();

@@ -83,7 +83,7 @@ TEST_F(WavefrontReplay, it_meets_what_the_kernels_met) {
             const WavefrontOptions options{.slots = 300,
                                            .connect = once ? ConnectWhen::Once : ConnectWhen::EachBounce,
                                            .dispatch = once ? WavefrontDispatch::Full : WavefrontDispatch::Indirect,
-                                           .classes = once ? WavefrontClasses::Off : WavefrontClasses::On};
+                                           .classes = !once};
             const std::vector<Traced> all = trace(stage, way, options);
             ASSERT_GE(all.size(), 6u);
             uint32_t rays = 0, shadow_rays = 0, free = 0;
