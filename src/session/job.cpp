@@ -401,7 +401,7 @@ void Job::finish_report() {
     report_.max_bounces = options_.max_bounces;
     if (view_) report_.rays = view_->read_rays(*frame_);
     if (wavefront_) {
-        report_.wavefront = {wavefront_options(settings_), wavefront_->stats(), wavefront_->state().shape.classes};
+        report_.wavefront = {wavefront_options(settings_), wavefront_->stats()};
         log(LogLevel::Info, "wavefront: {}", wavefront_line(*report_.wavefront));
         if (options_.list_frame) report_.listing += "\nwavefront\n" + wavefront_table(*report_.wavefront);
     }

@@ -56,7 +56,7 @@ Json wavefront_json(const WavefrontReport& report) {
                            {"shadow_rays_by_class", by_class(stats.shadows[bounce])}});
     return {{"connect", connect_name(report.options.connect)},
             {"dispatch", dispatch_name(report.options.dispatch)},
-            {"classes", report.classes},
+            {"classes", report.options.classes},
             {"memory_bytes", report.options.memory_bytes},
             {"slots", stats.slots},
             {"round_length", stats.round_length},
@@ -70,7 +70,7 @@ std::string wavefront_line(const WavefrontReport& report) {
     const WavefrontStats& stats = report.stats;
     const std::string rounds = report.options.connect == ConnectWhen::Once ? fmt::format(" (after {} bounces)", stats.round_length) : "";
     return fmt::format("{} slots of {} bytes, connect {}{}, dispatch {}, classes {}; {} iterations, in which {:.1f} % of the slots traced a ray", stats.slots, stats.state_bytes,
-                       connect_name(report.options.connect), rounds, dispatch_name(report.options.dispatch), report.classes ? "on" : "off", stats.iterations,
+                       connect_name(report.options.connect), rounds, dispatch_name(report.options.dispatch), report.options.classes ? "on" : "off", stats.iterations,
                        100 * report.occupancy());
 }
 

@@ -11,7 +11,6 @@ namespace parhelion {
 struct WavefrontReport {
     WavefrontOptions options;
     WavefrontStats stats;
-    bool classes = false;  // a kernel of Shade for each class: options.classes, or what Auto became
 
     // Share of the rays that the machine could have traced; of the rays after so many scatterings alone. 0 before anything was drawn.
     double occupancy() const;

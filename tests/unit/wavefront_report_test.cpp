@@ -12,7 +12,7 @@ using Json = nlohmann::ordered_json;
 
 // 4 iterations of 10 slots: 20 rays of the camera, of which 5 missed, 8 after a scattering, 2 after 31 or more.
 WavefrontReport some_report() {
-    WavefrontReport report{.options = {.connect = ConnectWhen::Once, .dispatch = WavefrontDispatch::Full}};
+    WavefrontReport report{.options = {.connect = ConnectWhen::Once, .dispatch = WavefrontDispatch::Full, .classes = false}};
     WavefrontStats& stats = report.stats;
     stats.rays[0] = {5, 1, 10, 3, 1};
     stats.shadows[0] = {0, 0, 9, 2, 1};
@@ -68,7 +68,7 @@ TEST(WavefrontReport, the_json_has_the_options_and_a_row_for_every_bounce_that_h
     EXPECT_EQ(wavefront_json(short_paths)["bounces"].size(), 2u);
     EXPECT_EQ(wavefront_json({})["bounces"].size(), 0u);
     EXPECT_EQ(wavefront_json({})["occupancy"], 0.0);
-    EXPECT_EQ(wavefront_json({})["connect"], "each_bounce");
+    EXPECT_EQ(wavefront_json({})["classes"], true);
 }
 
 TEST(WavefrontReport, the_table_has_the_same_numbers) {
