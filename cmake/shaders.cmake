@@ -7,7 +7,7 @@
 #   a line "// variants: A B+C"   also compiled with -DA, and with -DB -DC
 #   "// pipeline variants: ..."    of a .trace file: those of the pipeline way only
 #   variant~                      of the compute way, after spirv-opt, for GPUs: an eighth faster there, a fifth slower on a CPU device;
-#                                 of a compute pass too that says "// optimised variants"
+#                                 of a compute pass too that says "// optimised variants", there with -DFOR_GPU
 set(PARHELION_SHADER_ROOT ${CMAKE_SOURCE_DIR}/shaders)
 
 add_executable(shader_pack tools/shader_pack.cpp)
@@ -16,28 +16,36 @@ target_link_libraries(shader_pack PRIVATE ${SPIRV_CROSS_LIBRARY} parhelion_optio
 add_executable(embed_file tools/embed_file.cpp)
 target_link_libraries(embed_file PRIVATE parhelion_options zstd::libzstd_shared)
 
-# Compiles one source into one .spv; appends "stage name variant path" to the manifest and the file to the outputs.
-function(parhelion_compile_shader source name variant stage)
-    string(MAKE_C_IDENTIFIER "${name}.${variant}.${stage}" id)
+# Compiles one source into ${shader_dir}/ID.spv.
+function(parhelion_spirv source id stage comment)
     set(spv ${shader_dir}/${id}.spv)
     add_custom_command(OUTPUT ${spv}
         COMMAND ${Vulkan_GLSLC_EXECUTABLE} --target-env=vulkan1.3 -Werror -fshader-stage=${stage} ${ARGN}
             -I ${PARHELION_SHADER_ROOT} -I ${CMAKE_SOURCE_DIR}/src/passes -MD -MF ${spv}.d -o ${spv} ${source}
         COMMAND ${SPIRV_VAL} --target-env vulkan1.3 --scalar-block-layout ${spv}
-        DEPENDS ${source} DEPFILE ${spv}.d COMMENT "Shader ${name} ${variant}" VERBATIM)
-    set(shader_outputs ${shader_outputs} ${spv} PARENT_SCOPE)
-    set(shader_manifest "${shader_manifest}${name}\t${variant}\t${stage}\t${spv}\n" PARENT_SCOPE)
+        DEPENDS ${source} DEPFILE ${spv}.d COMMENT "${comment}" VERBATIM)
 endfunction()
 
-# The same after spirv-opt: variant~.
-function(parhelion_optimize_shader name variant stage)
+# A shader of the pack: appends "stage name variant path" to the manifest and the file to the outputs.
+function(parhelion_compile_shader source name variant stage)
     string(MAKE_C_IDENTIFIER "${name}.${variant}.${stage}" id)
-    set(spv ${shader_dir}/${id}.spv)
+    parhelion_spirv(${source} ${id} ${stage} "Shader ${name} ${variant}" ${ARGN})
+    set(shader_outputs ${shader_outputs} ${shader_dir}/${id}.spv PARENT_SCOPE)
+    set(shader_manifest "${shader_manifest}${name}\t${variant}\t${stage}\t${shader_dir}/${id}.spv\n" PARENT_SCOPE)
+endfunction()
+
+# variant~: of the same SPIR-V, or where there are flags of the source compiled with them, after spirv-opt.
+function(parhelion_optimize_shader source name variant stage)
+    string(MAKE_C_IDENTIFIER "${name}.${variant}.${stage}" id)
+    if(ARGN)
+        set(id ${id}.gpu)
+        parhelion_spirv(${source} ${id} ${stage} "Shader ${name} ${variant} for GPUs" ${ARGN})
+    endif()
     set(optimized ${shader_dir}/${id}.optimized.spv)
     add_custom_command(OUTPUT ${optimized}
-        COMMAND ${SPIRV_OPT} -O --preserve-bindings ${spv} -o ${optimized}
+        COMMAND ${SPIRV_OPT} -O --preserve-bindings ${shader_dir}/${id}.spv -o ${optimized}
         COMMAND ${SPIRV_VAL} --target-env vulkan1.3 --scalar-block-layout ${optimized}
-        DEPENDS ${spv} COMMENT "Shader ${name} ${variant}~" VERBATIM)
+        DEPENDS ${shader_dir}/${id}.spv COMMENT "Shader ${name} ${variant}~" VERBATIM)
     set(shader_outputs ${shader_outputs} ${optimized} PARENT_SCOPE)
     set(shader_manifest "${shader_manifest}${name}\t${variant}~\t${stage}\t${optimized}\n" PARENT_SCOPE)
 endfunction()
@@ -74,14 +82,14 @@ function(parhelion_shader_pack pack)
                 if(kind STREQUAL "comp")
                     parhelion_compile_shader(${source} ${name} "${suffix}" compute ${flags})
                     if(optimised)
-                        parhelion_optimize_shader(${name} "${suffix}" compute)
+                        parhelion_optimize_shader(${source} ${name} "${suffix}" compute -DFOR_GPU ${flags})
                     endif()
                 elseif(kind STREQUAL "trace" AND define AND define IN_LIST pipeline_only)
                     parhelion_compile_shader(${source} ${name} "pipeline${suffix}" rgen -DTRACE_PIPELINE ${flags})
                 elseif(kind STREQUAL "trace")
                     parhelion_compile_shader(${source} ${name} "query${suffix}" compute -DTRACE_QUERY ${flags})
                     parhelion_compile_shader(${source} ${name} "compute${suffix}" compute -DTRACE_COMPUTE ${flags})
-                    parhelion_optimize_shader(${name} "compute${suffix}" compute)
+                    parhelion_optimize_shader(${source} ${name} "compute${suffix}" compute)
                     parhelion_compile_shader(${source} ${name} "pipeline${suffix}" rgen -DTRACE_PIPELINE ${flags})
                 else()
                     parhelion_compile_shader(${source} ${name} "${suffix}" ${kind} -DTRACE_PIPELINE ${flags})

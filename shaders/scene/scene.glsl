@@ -31,6 +31,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Att
 #define scene_texture(i) (TextureArray(scene.header.textures).v[i])
 #define scene_emitter(i) (EmitterArray(scene.header.emitters).v[i])
 
+// Geometry::flags of what a ray met.
+uint scene_flags(uint instance, uint geometry) { return scene_geometry(scene_instance(instance).geometry_base + geometry).flags; }
+
 vec2 transform_uv(TextureRef ref, vec2 uv) {
     precise const vec2 moved = vec2((ref.row0.x * uv.x + ref.row0.y * uv.y) + ref.row0.z, (ref.row1.x * uv.x + ref.row1.y * uv.y) + ref.row1.z);
     return moved;

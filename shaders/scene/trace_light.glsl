@@ -17,6 +17,7 @@ vec3 trace_light(ViewData view, Ray ray) {
     while (max_component(passing) > 0.0) {
         const Hit hit = trace_closest(ray);
         if (is_miss(hit)) return passing;
+        if ((scene_flags(hit_instance(hit), hit.geometry) & kMaterialThin) == 0u) return vec3(0.0);
         Surface s = fetch_surface(hit, ray, kNoCone);
         s.integer_offset = (view.flags & kViewIntegerOffset) != 0u;
         passing *= pane_transmittance(view, s, ray.direction_ws);

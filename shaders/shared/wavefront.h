@@ -12,14 +12,24 @@ SHARED_CONST uint kClassCoated = 3u;        // with a clear coat or sheen
 SHARED_CONST uint kClassTransmissive = 4u;
 SHARED_CONST uint kClassCount = 5u;
 
-// Lists of slots, and where they lie: each in a place of its own of one array, but for pairs of which the second fills a place from
-// its end (no slot is in both). Without classes Shade reads the rays that Extend read while it lists the next ones elsewhere.
+// Lists: each lies in a place of its own of one array, but for pairs of classes of which the second fills a place from its end (no slot
+// is in both); that of shadow rays is an array of its own.
 SHARED_CONST uint kListRays = 0u;
-SHARED_CONST uint kListOtherRays = 1u;
-SHARED_CONST uint kListEnded = 2u;    // slots whose path is over: Generate gives them their next sample
-SHARED_CONST uint kListShadows = 3u;  // entries of vertices
-SHARED_CONST uint kListClasses = 4u;  // kClassCount of them
-SHARED_CONST uint kListCount = 9u;
+SHARED_CONST uint kListShadows = 1u;  // entries of vertices
+SHARED_CONST uint kListClasses = 2u;  // kClassCount of them
+SHARED_CONST uint kListCount = 7u;
+// Two more counters: visits that were taken, slots that wait.
+SHARED_CONST uint kCountVisits = kListCount;
+SHARED_CONST uint kCountWaiting = kListCount + 1u;
+SHARED_CONST uint kCounterCount = kListCount + 2u;
+
+// What a slot is about.
+SHARED_CONST uint kSlotFree = 0u;     // Generate gives it a sample
+SHARED_CONST uint kSlotLives = 1u;    // its path has a next ray
+SHARED_CONST uint kSlotWaits = 2u;    // until the sample before its own is in the film
+SHARED_CONST uint kSlotRetires = 3u;  // no sample is left for it
+
+SHARED_CONST uint kWavefrontGroup = 128u;  // invocations of a work group of the kernels that trace nothing
 
 // One slot's ray, 32 bytes.
 struct WavefrontRay {
@@ -32,7 +42,7 @@ struct WavefrontRay {
 // WavefrontRay::bits and WavefrontVertex::bits
 SHARED_CONST uint kPathBounces = 0xFFFFFFu;  // scatterings before this ray
 SHARED_CONST uint kPathTransmitted = 1u << 24;
-SHARED_CONST uint kPathSampleShift = 25u;    // of a ray: which sample of the slice, 6 bits
+SHARED_CONST uint kPathSampleShift = 25u;    // of a ray, and of a slot that waits: which sample of the slice, 6 bits
 SHARED_CONST uint kVertexExists = 1u << 25;  // of a vertex
 SHARED_CONST uint kVertexEvent = 1u << 26;   // it asked for light
 SHARED_CONST uint kVertexEnds = 1u << 27;    // the path's last
@@ -100,11 +110,11 @@ struct WavefrontControl {
     uint slot_count;
     uint shadow_capacity;  // of the list of shadow rays: one a vertex that can come between two Connects
     uint split;        // 1: light is kept by path class
+    uint visit;        // samples of a pixel that a slot draws one after another
     // Since the slice began.
-    uint next_pixel;             // first that no slot has taken yet
-    uint count[kListCount];      // entries of the lists
+    uint count[kCounterCount];   // entries of the lists; visits: all pixels' first samples, then all their next ...
     uint overflow[kListCount];   // entries that found no room
-    // Since they were read last.
+    uint live;                   // slots that had a ray or waited in the last iteration
     uint iterations;             // in which a ray was traced
     uint rays[kCountedBounces][kClassCount];     // that met this class
     uint shadows[kCountedBounces][kClassCount];  // asked for at it

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "frame/listing.h"
 
 namespace parhelion {
 
@@ -106,6 +107,7 @@ uint64_t Frame::record(gpu::CommandList& commands) {
         commands.reset_timers(frame.timers);
     }
     listing_.clear();
+    gpu_ms_ = 0;
     for (uint32_t i = 0; i < records_.size(); ++i) {
         const Record& record = records_[i];
         commands.begin_label(record.info.name);
@@ -170,6 +172,7 @@ void Frame::wait(gpu::Ticket ticket) {
 void Frame::read_timers(const InFlight& frame) {
     if (!frame.timers) return;
     const std::vector<double> times = frame.timers.read_ms(frame.timers.count());
+    gpu_ms_ = times.empty() ? 0 : times.back();
     for (size_t i = 0; 2 * i + 1 < times.size(); ++i) listing_[i].gpu_ms = times[2 * i + 1] - times[2 * i];
 }
 
@@ -182,21 +185,6 @@ void Frame::report_loss(const std::exception& cause) {
                 "a smaller --size or another --device may work");
 }
 
-std::string Frame::listing(bool with_times) const {
-    const auto joined = [](const std::vector<std::string>& names) {
-        std::string out;
-        for (const std::string& name : names) out += (out.empty() ? "" : " ") + name;
-        return out.empty() ? std::string("-") : out;
-    };
-    std::string out;
-    for (size_t i = 0; i < listing_.size(); ++i) {
-        const PassInfo& pass = listing_[i];
-        out += fmt::format("{:>3}  {:<28} {:<10} {:<10} reads: {}; writes: {}", i + 1, pass.name, pass.variant.empty() ? "-" : pass.variant,
-                           pass.extent.empty() ? "-" : pass.extent, joined(pass.reads), joined(pass.writes));
-        if (with_times) out += fmt::format("; {:.3f} ms", pass.gpu_ms);
-        out += '\n';
-    }
-    return out;
-}
+std::string Frame::listing(bool with_times) const { return list_passes(listing_, with_times); }
 
 }  // namespace parhelion

@@ -156,7 +156,8 @@ public:
 
     // The last recorded frame; times are there after wait().
     const std::vector<PassInfo>& passes() const { return listing_; }
-    std::string listing(bool with_times = false) const;  // as `render --list-frame` prints it
+    double gpu_ms() const { return gpu_ms_; }  // from its first pass's begin to its last's end, what lies between them included; 0: no timers
+    std::string listing(bool with_times = false) const;  // as `render --list-frame` prints it (frame/listing.h)
     uint32_t barrier_count() const { return barrier_count_; }
     const std::vector<std::string>& complaints() const { return complaints_; }  // unordered accesses that were recorded
 
@@ -205,6 +206,7 @@ private:
     std::map<std::string, gpu::Buffer> buffers_;
     std::map<std::string, uint64_t> history_written_;  // frame serial that last wrote each history
     std::vector<PassInfo> listing_;
+    double gpu_ms_ = 0;
     std::vector<std::string> complaints_;
     gpu::Buffer marker_;
     uint32_t barrier_count_ = 0;

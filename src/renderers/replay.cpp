@@ -22,10 +22,23 @@ double median_ms(Frame& frame, std::string_view pass, uint32_t repeats, const st
     return times.at(times.size() / 2);
 }
 
+void check_timers(const gpu::DevicePtr& device) {
+    if (device->caps().timestamp_period_ns <= 0) throw Error(ErrorCode::MissingFeature, "the device has no timestamps", escape_name(device->caps().name));
+}
+
+// Adds the times of the frame that has run.
+void add_times(WavefrontTraceShares& shares, const Frame& frame) {
+    for (const PassInfo& pass : frame.passes()) {
+        if (pass.name == "wavefront/extend") shares.extend.pass_ms += pass.gpu_ms;
+        else if (pass.name == "wavefront/connect") shares.connect.pass_ms += pass.gpu_ms;
+        else if (pass.name == "wavefront/replay_rays") (pass.variant.ends_with("+SHADOWS") ? shares.connect : shares.extend).replay_ms += pass.gpu_ms;
+    }
+}
+
 }  // namespace
 
 TraceShare measure_trace_share(const gpu::DevicePtr& device, SceneGpu& scene, gpu::TraceWay way, View& view, uint32_t repeats) {
-    if (device->caps().timestamp_period_ns <= 0) throw Error(ErrorCode::MissingFeature, "the device has no timestamps", device->caps().name);
+    check_timers(device);
     Frame frame(device);
     const passes::Film& film = view.film();
     const shared::Slice slice{.first_row = 0, .row_count = film.height, .first_sample = 0, .sample_count = 1};
@@ -43,6 +56,46 @@ TraceShare measure_trace_share(const gpu::DevicePtr& device, SceneGpu& scene, gp
     result.replay_ms = median_ms(frame, "reference/replay_rays", repeats, [&] { passes::replay_rays(frame, scene, way, dump, hits, film.width, film.height); });
     view.clear_film();
     return result;
+}
+
+WavefrontTraceShares measure_wavefront_trace_shares(const gpu::DevicePtr& device, SceneGpu& scene, gpu::TraceWay way, View& view, const WavefrontOptions& options,
+                                                    uint32_t samples, uint32_t repeats) {
+    check_timers(device);
+    constexpr uint32_t kMostRounds = 24;  // so that every pass of a frame has timers
+    Frame frame(device);
+    scene.finish(frame);
+    Wavefront wavefront(device, options);
+    gpu::Buffer dump, hits;
+    wavefront.after_trace = [&](const passes::WavefrontPass& pass, passes::WavefrontTraced what) {
+        const uint64_t most = passes::most_rays(pass.state.shape, passes::WavefrontTraced::ShadowRays);
+        if (!dump) {
+            dump = gpu::Buffer(device, "replay/dump", most * sizeof(shared::DumpedRay));
+            hits = gpu::Buffer(device, "replay/hits", most * sizeof(uint32_t));
+        }
+        passes::dump_rays(pass, what, dump);
+        passes::replay_rays(pass, what, dump, hits);
+    };
+    WavefrontTraceShares sums;
+    for (uint32_t i = 0; i <= repeats; ++i) {
+        view.clear_film();
+        wavefront.start({.first_row = 0, .row_count = view.film().height, .first_sample = 0, .sample_count = samples});
+        for (bool finished = false; !finished;) {
+            wavefront.rounds_per_frame = std::min(wavefront.rounds_per_frame, kMostRounds);
+            wavefront.record(frame, scene, way, view);
+            frame.run();
+            if (i > 0) add_times(sums, frame);
+            finished = wavefront.advance(frame.gpu_ms() / 1000);
+        }
+    }
+    const RayCounts counts = view.read_rays(frame);
+    view.clear_film();
+    sums.extend.rays = counts.path;
+    sums.connect.rays = counts.shadow;
+    for (TraceShare* share : {&sums.extend, &sums.connect}) {
+        share->pass_ms /= repeats;
+        share->replay_ms /= repeats;
+    }
+    return sums;
 }
 
 }  // namespace parhelion

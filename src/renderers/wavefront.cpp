@@ -19,6 +19,13 @@ uint64_t sum(const std::array<uint64_t, shared::kClassCount>& counts) {
     return total;
 }
 
+// Long enough that a slot seldom comes to a pixel whose last visit is not yet in the film: that takes a round and a long path.
+uint32_t visit_length(const passes::WavefrontShape& shape, uint64_t pixels) {
+    constexpr uint64_t kLongPath = 8, kShortPath = 2;
+    const uint64_t between = shape.slots * (shape.round_length + kLongPath);
+    return static_cast<uint32_t>(std::clamp<uint64_t>((between + pixels * kShortPath - 1) / (pixels * kShortPath), 1, shared::kSamplesPerBlock));
+}
+
 bool splits_light(const View& view) {
     return std::ranges::any_of(view.channels(), [](const std::string& channel) { return channel.starts_with("path."); });
 }
@@ -34,7 +41,10 @@ Wavefront::Wavefront(gpu::DevicePtr device, const WavefrontOptions& options) : d
         throw Error(ErrorCode::MissingFeature, "the wavefront needs subgroup ballots in compute shaders, which the device lacks", escape_name(caps.name), "use --renderer reference");
     if (options_.slots > kMaxWavefrontSlots)
         throw Error(ErrorCode::Usage, fmt::format("{} are more than {}", options_.slots, kMaxWavefrontSlots), "wavefront.slots");
-    if (options_.slots == 0) options_.slots = gpu::device_class(caps).wavefront_slots;
+    if (options_.slots != 0) return;
+    // With all that it may hold a slot takes some 300 bytes; an eighth of the device's memory is left to it.
+    constexpr uint64_t kSlotBytes = 300, kShare = 8;
+    options_.slots = static_cast<uint32_t>(std::clamp<uint64_t>(caps.memory_bytes / (kShare * kSlotBytes), 1, gpu::device_class(caps).wavefront_slots));
 }
 
 passes::WavefrontShape Wavefront::shape(const SceneGpu& scene, const View& view) const {
@@ -54,44 +64,47 @@ passes::WavefrontShape Wavefront::shape(const SceneGpu& scene, const View& view)
     return shape;
 }
 
+void Wavefront::allocate(const SceneGpu& scene, const View& view) {
+    const passes::WavefrontShape wanted = shape(scene, view);
+    const uint64_t pixels = uint64_t{view.film().width} * view.film().height;
+    if (!state_.control || state_.shape != wanted || state_.finished.bytes() != pixels * sizeof(uint32_t)) state_ = passes::make_wavefront_state(device_, wanted, pixels);
+}
+
 void Wavefront::start(const shared::Slice& slice) {
     PARHELION_CHECK(!slice_, "a slice is begun before the last one is finished");
     slice_ = slice;
     begun_ = false;
-    iteration_ = 0;
 }
 
-// With classes Extend and Sort are done with the rays before Shade lists the next ones; without them the two lists take turns.
-uint32_t Wavefront::ray_list(uint64_t iteration) const {
-    return options_.classes || iteration % 2 == 0 ? shared::kListRays : shared::kListOtherRays;
-}
-
-void Wavefront::begin(Frame& frame, const passes::WavefrontPass& pass) {
+void Wavefront::begin(Frame& frame, const passes::Film& film) {
     shared::WavefrontControl control{.slice = *slice_,
-                                     .pixel_count = pass.film.width * slice_->row_count,
+                                     .pixel_count = film.width * slice_->row_count,
                                      .slot_count = state_.shape.slots,
                                      .shadow_capacity = options_.shadow_capacity != 0 ? options_.shadow_capacity : state_.shape.slots * state_.shape.round_length,
-                                     .split = state_.shape.split};
-    control.count[shared::kListEnded] = state_.shape.slots;
+                                     .split = state_.shape.split,
+                                     .visit = visit_length(state_.shape, uint64_t{film.width} * slice_->row_count)};
+    paths_ = uint64_t{control.pixel_count} * slice_->sample_count;
+    PARHELION_CHECK(paths_ < 1ull << 31, "a slice of {} paths", paths_);
     frame.upload(state_.control, 0, std::as_bytes(std::span(&control, 1)));
     passes::begin_wavefront(frame, state_);
-    passes::prepare_wavefront(pass, shared::kAfterShade);
     begun_ = true;
 }
 
 void Wavefront::record_round(passes::WavefrontPass pass) {
-    for (pass.round = 0; pass.round < state_.shape.round_length; ++pass.round, ++iteration_) {
-        pass.ray_list = ray_list(iteration_);
-        pass.next_ray_list = ray_list(iteration_ + 1);
+    for (pass.round = 0; pass.round < state_.shape.round_length; ++pass.round) {
         passes::generate(pass);
         passes::prepare_wavefront(pass, shared::kAfterGenerate);
         passes::extend(pass);
-        if (state_.shape.classes) passes::sort_hits(pass);
-        passes::prepare_wavefront(pass, shared::kAfterSort);
+        if (after_trace) after_trace(pass, passes::WavefrontTraced::Rays);
+        if (state_.shape.classes) {
+            passes::sort_hits(pass);
+            passes::prepare_wavefront(pass, shared::kAfterSort);
+        }
         passes::shade(pass);
         passes::prepare_wavefront(pass, shared::kAfterShade);
     }
     passes::connect(pass);
+    if (after_trace) after_trace(pass, passes::WavefrontTraced::ShadowRays);
     passes::finalize(pass);
 }
 
@@ -99,33 +112,40 @@ void Wavefront::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, V
     PARHELION_CHECK(slice_, "no slice is begun");
     if (!begun_) {
         begin_slice(frame, scene, way, view, *slice_);
-        const passes::WavefrontShape wanted = shape(scene, view);
-        if (!state_.control || state_.shape != wanted) state_ = passes::make_wavefront_state(device_, wanted);
+        allocate(scene, view);
     }
     const passes::WavefrontPass pass{.frame = frame,
                                      .scene = scene,
                                      .way = way,
                                      .film = view.film(),
                                      .state = state_,
-                                     .ray_cones = view.desc().texture_lod == TextureLod::Cone,
-                                     .ray_list = ray_list(0),
-                                     .next_ray_list = ray_list(0)};
-    if (!begun_) begin(frame, pass);
+                                     .ray_cones = view.desc().texture_lod == TextureLod::Cone};
+    if (!begun_) begin(frame, view.film());
     const uint32_t rounds = std::clamp(rounds_per_frame, 1u, std::max(1u, kMaxIterations / state_.shape.round_length));
     for (uint32_t i = 0; i < rounds; ++i) record_round(pass);
     control_copy_ = frame.read_back(state_.control);
 }
 
+// A guess, so that few empty iterations are recorded at the end of a slice: as fast as paths began until now, then a few for the last ones.
+uint64_t Wavefront::iterations_left(const shared::WavefrontControl& control) const {
+    constexpr uint64_t kLast = 4;
+    uint64_t begun = 0;
+    for (const uint32_t rays : control.rays[0]) begun += rays;
+    if (begun >= paths_ || begun == 0) return kLast;
+    return kLast + (paths_ - begun) * control.iterations / begun;
+}
+
 bool Wavefront::advance(double seconds, double target_seconds) {
     const shared::WavefrontControl& control = control_copy_.mapped_as<shared::WavefrontControl>().front();
-    constexpr std::string_view kNames[] = {"rays", "other rays", "ended paths", "shadow rays", "misses", "emitters", "plain surfaces", "coated surfaces", "transmissive surfaces"};
+    constexpr std::string_view kNames[] = {"rays", "shadow rays", "misses", "emitters", "plain surfaces", "coated surfaces", "transmissive surfaces"};
     for (uint32_t list = 0; list < shared::kListCount; ++list)
         if (control.overflow[list] != 0)
             throw Error(ErrorCode::Failed, fmt::format("the wavefront's list of {} was too short for {} entries", kNames[list], control.overflow[list]), "--renderer wavefront",
                         "this is a mistake in the program; --renderer reference draws the same picture");
     const double wanted = rounds_per_frame * target_seconds / std::max(seconds, 1e-6);
-    rounds_per_frame = static_cast<uint32_t>(std::clamp(wanted, 1.0, 4.0 * rounds_per_frame));
-    if (control.count[ray_list(iteration_)] != 0 || control.count[shared::kListEnded] != 0) return false;
+    const double left = double(iterations_left(control)) / state_.shape.round_length;
+    rounds_per_frame = static_cast<uint32_t>(std::max(1.0, std::min({wanted, 4.0 * rounds_per_frame, left})));
+    if (control.live != 0) return false;
 
     for (size_t bounce = 0; bounce < shared::kCountedBounces; ++bounce)
         for (size_t c = 0; c < shared::kClassCount; ++c) {

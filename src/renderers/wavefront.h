@@ -2,9 +2,10 @@
 // The wavefront path tracer: the reference's samples drawn by a chain of small kernels over lists of paths. Document 003; Laine et al.
 // 2013, "Megakernels Considered Harmful".
 #include <array>
+#include <functional>
 #include <optional>
 
-#include "passes/wavefront/wavefront.h"
+#include "passes/wavefront/replay.h"
 #include "renderers/slice.h"
 
 namespace parhelion {
@@ -15,10 +16,10 @@ enum class WavefrontDispatch : uint32_t { Indirect, Full };
 // Pictures do not depend on these.
 struct WavefrontOptions {
     uint32_t slots = 0;  // paths at a time; 0: as fits devices of this class. Never more than the slice has pixels
-    ConnectWhen connect = ConnectWhen::EachBounce;
+    ConnectWhen connect = ConnectWhen::Once;
     WavefrontDispatch dispatch = WavefrontDispatch::Indirect;
-    bool classes = true;           // a kernel of Shade for each class of materials
-    uint64_t memory_bytes = 1ull << 30;  // most that what waits for Connect may take; Connect runs early where it would be more
+    bool classes = true;  // a kernel of Shade for each class of materials
+    uint64_t memory_bytes = 512ull << 20;  // most that what waits for Connect may take; Connect runs early where it would be more
     uint32_t shadow_capacity = 0;  // tests: room in the list of shadow rays; 0: for all that can come
 };
 constexpr uint32_t kMaxWavefrontSlots = 1u << 22;
@@ -41,6 +42,8 @@ public:
     // Throws MissingFeature if the device has no subgroup ballots, a usage Error for slots beyond kMaxWavefrontSlots.
     Wavefront(gpu::DevicePtr device, const WavefrontOptions& options);
 
+    // Makes the device memory for views like this one, which record() would make.
+    void allocate(const SceneGpu& scene, const View& view);
     // The slice to draw next; the one before must be finished.
     void start(const shared::Slice& slice);
     // Records some iterations of the running slice. Only records: no submit, no wait. The scene must be drawable.
@@ -53,19 +56,21 @@ public:
     const WavefrontStats& stats() const { return stats_; }
     const passes::WavefrontState& state() const { return state_; }
     uint32_t rounds_per_frame = 1;  // a round: iterations from one Connect to the next
+    // Called while a frame is recorded, after Extend and after Connect: to look at what they traced (renderers/replay.h).
+    std::function<void(const passes::WavefrontPass&, passes::WavefrontTraced)> after_trace;
 
 private:
     passes::WavefrontShape shape(const SceneGpu& scene, const View& view) const;
-    void begin(Frame& frame, const passes::WavefrontPass& pass);
+    void begin(Frame& frame, const passes::Film& film);
     void record_round(passes::WavefrontPass pass);
-    uint32_t ray_list(uint64_t iteration) const;
+    uint64_t iterations_left(const shared::WavefrontControl& control) const;
 
     gpu::DevicePtr device_;
     WavefrontOptions options_;
     passes::WavefrontState state_;
     std::optional<shared::Slice> slice_;
     bool begun_ = false;
-    uint64_t iteration_ = 0;  // of the slice
+    uint64_t paths_ = 0;  // of the slice
     gpu::Buffer control_copy_;
     WavefrontStats stats_;
 };

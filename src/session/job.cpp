@@ -26,6 +26,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr uint64_t kPathsPerSlot = 16;  // of the wavefront's first slice
+
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
 RenderSettings read_settings(const RenderOptions& options) {
@@ -87,6 +89,17 @@ public:
         open_device();
         set_up();
         return is_interrupted() ? TraceShare{} : measure_trace_share(device_, *scene_gpu_, way_, *view_);
+    }
+
+    WavefrontTraceShares measure_wavefront_shares() {
+        load();
+        open_device();
+        set_up();
+        if (is_interrupted()) return {};
+        const WavefrontOptions wavefront = wavefront_options(settings_);
+        const uint64_t pixels = uint64_t{options_.size.width} * options_.size.height, most = std::min<uint64_t>(options_.samples.end, shared::kSamplesPerBlock);
+        const uint64_t samples = std::clamp<uint64_t>(kPathsPerSlot * Wavefront(device_, wavefront).slots() / pixels, 1, most);
+        return measure_wavefront_trace_shares(device_, *scene_gpu_, way_, *view_, wavefront, static_cast<uint32_t>(samples));
     }
 
 private:
@@ -197,6 +210,7 @@ void Job::set_up() {
     frame_->run();
     add_times(report_.passes, *frame_);
     if (options_.list_frame) report_.listing += "set-up\n" + frame_->listing(true);
+    if (options_.renderer == RendererKind::Wavefront) wavefront_.emplace(device_, wavefront_options(settings_)).allocate(*scene_gpu_, *view_);
     report_.lights = scene_gpu_->stats().emitters;
     report_.exposure_metered = !options_.exposure_ev;
     report_.exposure_ev = options_.exposure_ev ? *options_.exposure_ev : meter_scene(device_, *frame_, *scene_gpu_, way_, desc);
@@ -240,11 +254,10 @@ void Job::resume() {
     report_.size = options_.size;
     report_.wanted = options_.samples;
     report_.resumed_at = samples.begin;
-    if (options_.renderer == RendererKind::Wavefront) {
+    if (wavefront_) {
         // Its frames are short however long a slice is; but at the end of each the machine runs empty.
         constexpr double kSliceSeconds = 1.0;
-        constexpr uint64_t kPathsPerSlot = 16;
-        wavefront_.emplace(device_, wavefront_options(settings_));
+        report_.renderer = "wavefront";
         slicer_.emplace(options_.size, samples, kSliceSeconds, kPathsPerSlot * wavefront_->slots());
     } else {
         slicer_.emplace(options_.size, samples);
@@ -274,6 +287,7 @@ void Job::show_progress(Progress& progress) {
 void Job::run_slice_frame() {
     frame_->run();
     add_times(report_.passes, *frame_);
+    report_.gpu_seconds += frame_->gpu_ms() / 1000;
     if (!options_.list_frame || slice_is_listed_) return;
     slice_is_listed_ = true;
     report_.listing += "\nslice\n" + frame_->listing(true);
@@ -386,6 +400,11 @@ void Job::log_finished() const {
 void Job::finish_report() {
     report_.max_bounces = options_.max_bounces;
     if (view_) report_.rays = view_->read_rays(*frame_);
+    if (wavefront_) {
+        report_.wavefront = {wavefront_options(settings_), wavefront_->stats(), wavefront_->state().shape.classes};
+        log(LogLevel::Info, "wavefront: {}", wavefront_line(*report_.wavefront));
+        if (options_.list_frame) report_.listing += "\nwavefront\n" + wavefront_table(*report_.wavefront);
+    }
     report_.memory = device_->memory_use();
     report_.peak_device_bytes = device_->peak_memory_bytes();
     report_.peak_host_bytes = platform::peak_resident_bytes();
@@ -399,6 +418,9 @@ void Job::finish_report() {
 RenderReport run_render_job(const RenderOptions& options, gpu::DevicePtr device) { return Job(options, std::move(device)).run(); }
 TraceShare measure_job_trace_share(const RenderOptions& options, gpu::DevicePtr device) {
     return Job(options, std::move(device)).measure_share();
+}
+WavefrontTraceShares measure_job_wavefront_trace_shares(const RenderOptions& options, gpu::DevicePtr device) {
+    return Job(options, std::move(device)).measure_wavefront_shares();
 }
 
 }  // namespace parhelion

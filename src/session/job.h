@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "gpu/device.h"
 #include "renderers/replay.h"
 #include "session/render_options.h"
+#include "session/wavefront_report.h"
 
 namespace parhelion {
 
@@ -32,12 +34,14 @@ struct RenderReport {
     uint64_t finished_end = 0;  // samples [wanted.begin, finished_end) are in every pixel of the outputs
     uint64_t resumed_at = 0;    // first sample of this run
     double load_seconds = 0, setup_seconds = 0, render_seconds = 0;
+    double gpu_seconds = 0;  // of render_seconds, what the GPU took for the frames, between their passes too; 0: the device has no timers
     double exposure_ev = 0;
     bool exposure_metered = false;
     uint32_t max_bounces = 0;
     uint64_t settings_hash = 0;
     std::vector<PassTime> passes;
     RayCounts rays;  // of this run, metering apart
+    std::optional<WavefrontReport> wavefront;  // where it drew
     std::vector<gpu::MemoryUse> memory;
     uint64_t peak_host_bytes = 0, peak_device_bytes = 0;
     std::string node_layout;  // of our own acceleration structure; empty: not made
@@ -49,8 +53,8 @@ struct RenderReport {
     std::string listing;  // --list-frame
 
     uint64_t sample_count() const { return finished_end > wanted.begin ? finished_end - wanted.begin : 0; }
-    double trace_seconds() const;            // GPU time of the tracing passes
-    double mega_rays_per_second() const;     // all rays over the GPU time of the tracing passes
+    double trace_seconds() const;            // GPU time of the path tracer: path_trace, or all kernels of the wavefront
+    double mega_rays_per_second() const;     // all rays over that time
     double mega_samples_per_second() const;  // pixel-samples of this run over its render time
 };
 nlohmann::ordered_json report_json(const RenderReport& report);
@@ -62,5 +66,7 @@ RenderReport run_render_job(const RenderOptions& options, gpu::DevicePtr device 
 
 // `bench replay`: sets the job up and measures which share of its tracing pass the rays alone take. Writes nothing.
 TraceShare measure_job_trace_share(const RenderOptions& options, gpu::DevicePtr device);
+// `bench wavefront`: the same of its tracing kernels, over as many of the job's samples as a slice of it has.
+WavefrontTraceShares measure_job_wavefront_trace_shares(const RenderOptions& options, gpu::DevicePtr device);
 
 }  // namespace parhelion

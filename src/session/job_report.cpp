@@ -10,11 +10,13 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-bool traces(const PassTime& pass) { return pass.name.starts_with("reference/path_trace"); }
+bool draws_paths(const PassTime& pass) { return pass.name.starts_with("reference/path_trace") || pass.name.starts_with("wavefront/"); }
 
 uint64_t rays_of(const PassTime& pass, const RenderReport& report) {
     if (pass.name.starts_with("reference/first_hit")) return uint64_t(report.size.width) * report.size.height;
-    return traces(pass) ? report.rays.path + report.rays.shadow : 0;
+    if (pass.name.starts_with("reference/path_trace")) return report.rays.path + report.rays.shadow;
+    if (pass.name.starts_with("wavefront/extend")) return report.rays.path;
+    return pass.name.starts_with("wavefront/connect") ? report.rays.shadow : 0;
 }
 
 }  // namespace
@@ -22,7 +24,7 @@ uint64_t rays_of(const PassTime& pass, const RenderReport& report) {
 double RenderReport::trace_seconds() const {
     double ms = 0;
     for (const PassTime& pass : passes)
-        if (traces(pass)) ms += pass.ms;
+        if (draws_paths(pass)) ms += pass.ms;
     return ms / 1000;
 }
 
@@ -69,11 +71,13 @@ Json report_json(const RenderReport& report) {
             {"load_seconds", report.load_seconds},
             {"setup_seconds", report.setup_seconds},
             {"seconds", report.render_seconds},
+            {"gpu_seconds", report.gpu_seconds},
             {"trace_seconds", report.trace_seconds()},
             {"rays", {{"path", report.rays.path}, {"shadow", report.rays.shadow}}},
             {"mrays_per_s", report.mega_rays_per_second()},
             {"mega_samples_per_s", report.mega_samples_per_second()},
             {"passes", passes},
+            {"wavefront", report.wavefront ? wavefront_json(*report.wavefront) : Json()},
             {"memory", memory},
             {"own_bvh", {{"nodes", report.node_layout}, {"bottom_bytes", report.own_bottom_bytes}, {"top_bytes", report.own_top_bytes}}},
             {"bottom_levels", {{"bytes_built", report.bottom_bytes_built}, {"bytes", report.bottom_bytes}}},

@@ -126,7 +126,7 @@ const OptionSpec kOptions[] = {
     {.name = "--json", .section = "Output", .commands = kCompare | kDevices | kInfo | kSettings, .kind = ValueKind::File, .value = "F",
      .help = "print JSON; --json=F writes it to a file", .bits = kNotInPreset | kOptionalValue},
     {.name = "--list-frame", .section = "Output", .commands = kRender,
-     .help = "print the passes of the frame with reads, writes and GPU times",
+     .help = "print the passes of the frame with reads, writes and GPU times, and what the wavefront did bounce by bounce",
      .bits = kNotInPreset},
 
     // Device and settings
@@ -226,13 +226,14 @@ const CommandSpec kCommands[] = {
       "parhelion export builtin:spheres --out spheres.glb --json numbers.json"}},
     {Command::Bench, "bench", "[SUITE]", 0, 1, "measure speed: scenes x renderers x ways to trace",
      "SUITE is quick (default), full, replay (which share of a pass its rays alone take), reference (the path tracer on large "
-     "scenes, shading in raygen and in closest-hit shaders), or trace (millions of primary, diffuse and shadow rays a second by each way to "
+     "scenes, shading in raygen and in closest-hit shaders), wavefront (that with 8 bounces beside the wavefront in each of its forms, with its occupancy and "
+     "which share of Extend's and Connect's time their rays alone take), or trace (millions of primary, diffuse and shadow rays a second by each way to "
      "trace when a pass does nothing else, in rooms of 10,368, 249,600 and 1,997,568 triangles as one mesh and as instances: room-s, room-m, "
      "room-l, room-s-instanced, ...). Prints a table, and JSON with --json. "
      "Compare numbers of one device only.",
      {"parhelion bench", "parhelion bench full --json now.json --baseline before.json",
       "parhelion bench --scene scene.glb --trace compute", "parhelion bench reference --also a.glb --also b.glb --json reference.json",
-      "parhelion bench trace --scene room-m --layouts"}},
+      "parhelion bench wavefront --also a.glb --also b.glb --json wavefront.json", "parhelion bench trace --scene room-m --layouts"}},
     {Command::Settings, "settings", "", 0, 0, "list every setting of --set with its range and default", "", {"parhelion settings"}},
     {Command::Help, "help", "[COMMAND]", 0, 1, "explain a command", "",
      {"parhelion help render", "parhelion help --man > parhelion.1",

@@ -26,10 +26,10 @@ struct RenderSettings {
     SpawnOffset spawn_offset = SpawnOffset::ErrorBounds;
     float firefly_clamp = 0.0f;
     uint32_t wavefront_slots = 0;
-    ConnectWhen wavefront_connect = ConnectWhen::EachBounce;
+    ConnectWhen wavefront_connect = ConnectWhen::Once;
     WavefrontDispatch wavefront_dispatch = WavefrontDispatch::Indirect;
     Switch wavefront_classes = Switch::On;
-    uint32_t wavefront_memory_mb = 1024;
+    uint32_t wavefront_memory_mb = 512;
 };
 
 template <class V>
@@ -63,7 +63,8 @@ void visit(V&& v, RenderSettings& s) {
             "when shadow rays are traced: in every bounce, or once after as many as wavefront.memory_mb allows");
     v.field("wavefront.dispatch", s.wavefront_dispatch, choices({"indirect", "full"}),
             "work sizes from the GPU, or every kernel over all slots (document 003)");
-    v.field("wavefront.classes", s.wavefront_classes, choices({"off", "on"}), "one kernel of Shade for each class of materials, or one for all");
+    v.field("wavefront.classes", s.wavefront_classes, choices({"off", "on"}),
+            "one kernel of Shade for all materials, or one for each class of them");
     v.field("wavefront.memory_mb", s.wavefront_memory_mb, range(1, 1 << 20), "most that what waits for wavefront.connect=once may take");
     v.field("sky.sun_elevation", s.sun_elevation, range(-18, 90), "degrees of the clear sky's sun above the horizon");
     v.field("sky.sun_azimuth", s.sun_azimuth, range(-360, 360), "degrees of the clear sky's sun from +Z towards +X");

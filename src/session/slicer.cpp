@@ -6,6 +6,7 @@
 namespace parhelion {
 
 namespace {
+constexpr double kMostWork = 1 << 30;  // shaders count a slice's pixel-samples with 32 bits
 constexpr double kMaxGrowth = 4;  // of a slice from one to the next: a quick first slice proves little
 }
 
@@ -40,7 +41,7 @@ void Slicer::measured(const shared::Slice& slice, double seconds) {
     const double work = double(size_.width) * slice.row_count * slice.sample_count;
     const double wanted = work * target_seconds_ / std::max(seconds, 1e-6);
     budget_ = std::clamp(wanted, budget_ / kMaxGrowth, work * kMaxGrowth);
-    budget_ = std::max(budget_, double(size_.width));
+    budget_ = std::clamp(budget_, double(size_.width), kMostWork);
 }
 
 std::vector<uint64_t> Slicer::samples_of_rows() const {

@@ -110,7 +110,7 @@ TEST_F(Cli, wrong_usage_exits_with_2_and_leaves_nothing) {
     expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr"), "--trace", "pipeline", "--set", "reference.shade_in=closest_hit", "--set", "texture.lod=cone"}), 2,
                  "reference.shade_in: closest-hit shaders read textures at full resolution only (use texture.lod=full");
     expect_error(run_parhelion({"render", "builtin:nothing", "--out", file("a.exr")}), 2, "builtin:nothing");
-    expect_error(run_parhelion({"bench", "enormous"}), 2, "there is no suite 'enormous' (use quick or replay or full or reference or trace)");
+    expect_error(run_parhelion({"bench", "enormous"}), 2, "there is no suite 'enormous' (use quick or replay or full or reference or wavefront or trace)");
     expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr")}, {.environment = {{"PARHELION_LOG", "loud"}}}), 2,
                  "'loud' is not a log level");
     EXPECT_TRUE(folder.names().empty());

@@ -7,8 +7,7 @@
 
 uint class_of(WavefrontHit hit) {
     if (hit.instance_bits == kHitMiss) return kClassMiss;
-    const uint base = scene_instance(hit.instance_bits & kHitInstanceMask).geometry_base;
-    const uint flags = scene_geometry(base + hit.geometry).flags;
+    const uint flags = scene_flags(hit.instance_bits & kHitInstanceMask, hit.geometry);
     if ((flags & kMaterialOnlyEmits) != 0u) return kClassEmitter;
     if ((flags & kMaterialTransmits) != 0u) return kClassTransmissive;
     return (flags & (kMaterialCoated | kMaterialSheen)) != 0u ? kClassCoated : kClassPlain;

@@ -1,7 +1,7 @@
 #version 460
 // Adds what the vertices since the last Connect brought, slot by slot in the order of the path, and finished samples to the film: as
 // the reference adds them, whichever slot and kernel they came through.
-// Reads: view, splits. Reads and writes: control, slots, vertices, class_sums, block (the film's running block).
+// Reads: view, splits. Reads and writes: control, slots, vertices, class_sums, block (the film's running block), finished.
 #extension GL_GOOGLE_include_directive : require
 #include "scene/film.glsl"
 #include "wavefront/bits.glsl"
@@ -16,6 +16,7 @@ layout(push_constant, scalar) uniform Push {
     Vertices vertices;
     Splits splits;
     ClassSums class_sums;
+    Finished finished;
     uint round_length;
 } push;
 
@@ -55,6 +56,7 @@ void main() {
         if (by_class) add_by_class(sums, entry, vertex);
         if ((vertex.bits & kVertexEnds) == 0u) continue;
         film_add_beauty(push.block, view, vertex.pixel, radiance);
+        push.finished.v[vertex.pixel] += 1u;
         radiance = vec3(0.0);
         if (!by_class) continue;
         film_add_path_classes(push.block, view, vertex.pixel, sums);

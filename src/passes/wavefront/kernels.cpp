@@ -10,26 +10,24 @@ namespace parhelion::passes {
 namespace {
 
 struct GeneratePush {
-    uint64_t view, control, lists, rays, paths, extras, slots;
-    uint32_t ray_list;
+    uint64_t view, control, lists, rays, paths, extras, slots, status, finished;
 };
 struct ExtendPush {
     uint64_t control, lists, rays, hits;
-    uint32_t ray_list, first_entry;
 };
 struct SortPush {
     uint64_t control, lists, hits;
-    uint32_t ray_list;
+    uint32_t only_plain;
 };
 struct ShadePush {
-    uint64_t view, block, control, lists, shadow_list, rays, hits, paths, extras, slots, vertices, shadow_rays, splits;
-    uint32_t list, next_ray_list, round, round_length;
+    uint64_t view, block, control, lists, shadow_list, rays, hits, paths, extras, slots, status, vertices, shadow_rays, splits;
+    uint32_t list, round, round_length;
 };
 struct ConnectPush {
     uint64_t view, control, shadow_list, shadow_rays, vertices, splits, rays;
 };
 struct FinalizePush {
-    uint64_t view, block, control, slots, vertices, splits, class_sums;
+    uint64_t view, block, control, slots, vertices, splits, class_sums, finished;
     uint32_t round_length;
 };
 
@@ -37,6 +35,19 @@ bool has_layers(const WavefrontPass& pass) { return (pass.scene.features() & sha
 std::string variant(const WavefrontPass& pass) {
     return std::string(has_layers(pass) ? "+LAYERS" : "") + (pass.ray_cones ? "+RAY_CONES" : "");
 }
+
+struct Class {
+    uint32_t number;
+    const char* define;
+    uint32_t feature;  // without which no material of the scene is of this class; 0: it always may be
+    bool textures;
+};
+constexpr Class kClasses[] = {{shared::kClassPlain, "+PLAIN", 0, true},
+                              {shared::kClassCoated, "+COATED", shared::kSceneCoats, true},
+                              {shared::kClassTransmissive, "+TRANSMISSIVE", shared::kSceneTransmits, true},
+                              {shared::kClassEmitter, "+EMITTER", shared::kSceneEmitters, true},
+                              {shared::kClassMiss, "+MISS", 0, false}};
+bool exists(const WavefrontPass& pass, const Class& c) { return c.feature == 0 || (pass.scene.features() & c.feature) != 0; }
 
 // Over the entries of a list, or over all that it can have.
 void over(const WavefrontPass& pass, Pass& kernel, uint32_t size, uint64_t most) {
@@ -59,10 +70,11 @@ void shade_class(const WavefrontPass& pass, const std::string& defines, uint32_t
         .read_write("paths", state.paths)
         .read_write("extras", state.extras)
         .read_write("slots", state.slots)
+        .read_write("status", state.status)
         .read_write("vertices", state.vertices)
         .write("shadow_rays", state.shadow_rays)
         .read_write("splits", state.splits)
-        .push(ShadePush{.list = list, .next_ray_list = pass.next_ray_list, .round = pass.round, .round_length = state.shape.round_length});
+        .push(ShadePush{.list = list, .round = pass.round, .round_length = state.shape.round_length});
     over(pass, kernel, size, state.shape.slots);
 }
 
@@ -70,8 +82,8 @@ void shade_class(const WavefrontPass& pass, const std::string& defines, uint32_t
 
 void generate(const WavefrontPass& pass) {
     const WavefrontState& state = pass.state;
-    Pass kernel = pass.frame.compute("wavefront/generate", variant(pass));
-    kernel.scene(pass.scene.binding())
+    pass.frame.compute("wavefront/generate", variant(pass))
+        .scene(pass.scene.binding())
         .read("view", pass.film.view)
         .read_write("control", state.control)
         .read_write("lists", state.lists)
@@ -79,48 +91,39 @@ void generate(const WavefrontPass& pass) {
         .read_write("paths", state.paths)
         .read_write("extras", state.extras)
         .read_write("slots", state.slots)
-        .push(GeneratePush{.ray_list = pass.ray_list});
-    over(pass, kernel, shared::kListEnded, state.shape.slots);
+        .read_write("status", state.status)
+        .read_write("finished", state.finished)
+        .push(GeneratePush{})
+        .over(state.shape.slots);
 }
 
 void extend(const WavefrontPass& pass) {
     const WavefrontState& state = pass.state;
     Pass kernel = pass.frame.trace("wavefront/extend", pass.way);
-    const uint32_t place = pass.ray_list == shared::kListRays ? 0 : 2;  // wavefront/lists.glsl
     kernel.scene(pass.scene.binding())
         .read("control", state.control)
         .read("lists", state.lists)
         .read("rays", state.rays)
         .write("hits", state.hits)
-        .push(ExtendPush{.ray_list = pass.ray_list, .first_entry = place * state.shape.slots});
-    over(pass, kernel, pass.ray_list, state.shape.slots);
+        .push(ExtendPush{});
+    over(pass, kernel, shared::kListRays, state.shape.slots);
 }
 
 void sort_hits(const WavefrontPass& pass) {
+    const bool only_plain = (pass.scene.features() & (shared::kSceneCoats | shared::kSceneTransmits | shared::kSceneEmitters)) == 0;
     Pass kernel = pass.frame.compute("wavefront/sort");
     kernel.scene(pass.scene.binding())
         .read_write("control", pass.state.control)
         .read_write("lists", pass.state.lists)
         .read("hits", pass.state.hits)
-        .push(SortPush{.ray_list = pass.ray_list});
+        .push(SortPush{.only_plain = only_plain});
     over(pass, kernel, shared::kSizeHits, pass.state.shape.slots);
 }
 
 void shade(const WavefrontPass& pass) {
-    if (!pass.state.shape.classes) return shade_class(pass, variant(pass), pass.ray_list, shared::kSizeHits);
-    struct Class {
-        uint32_t number;
-        const char* define;
-        uint32_t feature;  // without which no material is of this class; 0: it always may be
-        bool textures;
-    };
-    constexpr Class kClasses[] = {{shared::kClassPlain, "+PLAIN", 0, true},
-                                  {shared::kClassCoated, "+COATED", shared::kSceneCoats, true},
-                                  {shared::kClassTransmissive, "+TRANSMISSIVE", shared::kSceneTransmits, true},
-                                  {shared::kClassEmitter, "+EMITTER", shared::kSceneEmitters, true},
-                                  {shared::kClassMiss, "+MISS", 0, false}};
+    if (!pass.state.shape.classes) return shade_class(pass, variant(pass), shared::kListRays, shared::kSizeHits);
     for (const Class& c : kClasses) {
-        if (c.feature != 0 && (pass.scene.features() & c.feature) == 0) continue;
+        if (!exists(pass, c)) continue;
         const std::string define = std::string(c.define) + (has_layers(pass) ? "+LAYERS" : "") + (pass.ray_cones && c.textures ? "+RAY_CONES" : "");
         shade_class(pass, define, shared::kListClasses + c.number, shared::kListClasses + c.number);
     }
@@ -151,6 +154,7 @@ void finalize(const WavefrontPass& pass) {
         .read_write("vertices", state.vertices)
         .read_write("splits", state.splits)
         .read_write("class_sums", state.class_sums)
+        .read_write("finished", state.finished)
         .push(FinalizePush{.round_length = state.shape.round_length})
         .over(state.shape.slots);
 }

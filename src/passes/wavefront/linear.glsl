@@ -1,6 +1,8 @@
 // Invocations of a compute kernel over a list, numbered along the rows of its work groups: a device may take only 65,535 along one.
 #ifndef PARHELION_WAVEFRONT_LINEAR_GLSL
 #define PARHELION_WAVEFRONT_LINEAR_GLSL
-layout(local_size_x = 64) in;
+#include "shared/wavefront.h"
+
+layout(local_size_x = kWavefrontGroup) in;
 uint invocation_index() { return gl_GlobalInvocationID.y * (gl_NumWorkGroups.x * gl_WorkGroupSize.x) + gl_GlobalInvocationID.x; }
 #endif

@@ -1,4 +1,4 @@
-// Lists of slots, appended to with one atomic a subgroup.
+// Lists of slots, and how many invocations at once append to them.
 #ifndef PARHELION_WAVEFRONT_LISTS_GLSL
 #define PARHELION_WAVEFRONT_LISTS_GLSL
 #include "shared/scene.h"
@@ -9,29 +9,67 @@
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Lists { uint v[]; };
 
 // Place of a list in the array, and whether it fills it from the end; in order of kList...
-const uint kListPlace[kListCount] = uint[](0u, 2u, 1u, 0u, 2u, 2u, 3u, 3u, 4u);
-const bool kListFromEnd[kListCount] = bool[](false, false, false, false, false, true, false, true, false);
+const uint kListPlace[kListCount] = uint[](0u, 0u, 1u, 1u, 2u, 2u, 3u);
+const bool kListFromEnd[kListCount] = bool[](false, false, false, true, false, true, false);
 
 uint list_at(Control control, uint list, uint i) {
     const uint capacity = control.v.slot_count;
     return kListPlace[list] * capacity + (kListFromEnd[list] ? capacity - 1u - i : i);
 }
 
-// The place of a new entry of a list, kNone where none is wanted or there is no room. Every invocation of the subgroup calls it.
-uint reserve(Control control, uint list, uint capacity, bool wanted) {
-    const uvec4 ballot = subgroupBallot(wanted);
-    const uint count = subgroupBallotBitCount(ballot);
-    uint first = 0u;
-    if (subgroupElect() && count != 0u) {
-        first = atomicAdd(control.v.count[list], count);
-        if (first + count > capacity) atomicAdd(control.v.overflow[list], first + count - max(first, capacity));
+// Each invocation with a bin below `bins` gets a number of its own from counter `first` + bin. Every invocation of the work group calls
+// it. A subgroup asks the counter once; where subgroups come by the ten thousand (GPUs), that many atomics on one word take longer than
+// the kernels, so a work group asks once: a CPU device is several times faster without its barriers.
+#ifdef FOR_GPU
+shared uint bin_count[kClassCount], bin_first[kClassCount];
+
+uint reserve(Control control, uint first, uint bin, uint bins) {
+    const uint here = gl_LocalInvocationIndex;
+    barrier();  // whoever still reads the numbers of the last call
+    if (here < bins) bin_count[here] = 0u;
+    barrier();
+    uint number = 0u;
+    for (uint b = 0u; b < bins; ++b) {
+        const uvec4 ballot = subgroupBallot(bin == b);
+        const uint count = subgroupBallotBitCount(ballot);
+        if (count == 0u) continue;
+        uint before = 0u;
+        if (subgroupElect()) before = atomicAdd(bin_count[b], count);
+        before = subgroupBroadcastFirst(before);
+        if (bin == b) number = before + subgroupBallotExclusiveBitCount(ballot);
     }
-    const uint i = subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(ballot);
-    return wanted && i < capacity ? i : kNone;
+    barrier();
+    if (here < bins && bin_count[here] != 0u) bin_first[here] = atomicAdd(control.v.count[first + here], bin_count[here]);
+    barrier();
+    return bin < bins ? bin_first[bin] + number : kNone;
+}
+#else
+uint reserve(Control control, uint first, uint bin, uint bins) {
+    uint number = kNone;
+    for (uint b = 0u; b < bins; ++b) {
+        const uvec4 ballot = subgroupBallot(bin == b);
+        const uint count = subgroupBallotBitCount(ballot);
+        if (count == 0u) continue;
+        uint before = 0u;
+        if (subgroupElect()) before = atomicAdd(control.v.count[first + b], count);
+        before = subgroupBroadcastFirst(before);
+        if (bin == b) number = before + subgroupBallotExclusiveBitCount(ballot);
+    }
+    return number;
+}
+#endif
+
+uint bin_if(bool wanted) { return wanted ? 0u : kNone; }
+
+// True: the list has room for its entry number i; one that is lost is counted.
+bool has_room(Control control, uint list, uint capacity, uint i) {
+    if (i >= capacity) atomicAdd(control.v.overflow[list], 1u);
+    return i < capacity;
 }
 
-void list_append(Lists lists, Control control, uint list, bool wanted, uint slot) {
-    const uint i = reserve(control, list, control.v.slot_count, wanted);
-    if (i != kNone) lists.v[list_at(control, list, i)] = slot;
+// Appends the slots of the invocations that have a bin to list `first` + bin.
+void list_append(Lists lists, Control control, uint first, uint bin, uint bins, uint slot) {
+    const uint i = reserve(control, first, bin, bins);
+    if (bin < bins && has_room(control, first + bin, control.v.slot_count, i)) lists.v[list_at(control, first + bin, i)] = slot;
 }
 #endif

@@ -11,8 +11,7 @@ layout(push_constant, scalar) uniform Push {
     Control control;
     Sizes sizes;
     RayCounts rays;
-    uint stage;               // kAfter...
-    uint ray_list, next_ray_list;
+    uint stage;                     // kAfter...
     uint round_begins, round_ends;  // no shadow ray waits for Connect yet; all are there
     uint tracing_group, row;        // invocations of a group of the tracing kernels; most groups in one row
 } push;
@@ -30,24 +29,23 @@ void add_rays(uint kind, uint count) {
 }
 
 void main() {
-    const uint kComputeGroup = 64u;
     if (push.stage == kAfterGenerate) {
-        push.control.v.count[kListEnded] = 0u;
-        for (uint i = 0u; i < kClassCount; ++i) push.control.v.count[kListClasses + i] = 0u;
-        if (push.round_begins != 0u) push.control.v.count[kListShadows] = 0u;
-        const uint count = push.control.v.count[push.ray_list];
+        const uint count = push.control.v.count[kListRays];
+        push.control.v.live = count + push.control.v.count[kCountWaiting];
+        push.control.v.count[kCountWaiting] = 0u;
         push.control.v.iterations += uint(count != 0u);
         add_rays(kRayPath, count);
-        set_size(push.ray_list, push.ray_list, push.tracing_group);
-        set_size(kSizeHits, push.ray_list, kComputeGroup);
+        set_size(kListRays, kListRays, push.tracing_group);
+        set_size(kSizeHits, kListRays, kWavefrontGroup);
+        for (uint i = 0u; i < kClassCount; ++i) push.control.v.count[kListClasses + i] = 0u;
+        if (push.round_begins != 0u) push.control.v.count[kListShadows] = 0u;
     } else if (push.stage == kAfterSort) {
-        push.control.v.count[push.next_ray_list] = 0u;
-        for (uint i = 0u; i < kClassCount; ++i) set_size(kListClasses + i, kListClasses + i, kComputeGroup);
+        for (uint i = 0u; i < kClassCount; ++i) set_size(kListClasses + i, kListClasses + i, kWavefrontGroup);
     } else {
+        push.control.v.count[kListRays] = 0u;
         const uint count = min(push.control.v.count[kListShadows], push.control.v.shadow_capacity);
         push.control.v.count[kListShadows] = count;
         if (push.round_ends != 0u) add_rays(kRayShadow, count);
-        set_size(kListEnded, kListEnded, kComputeGroup);
         set_size(kListShadows, kListShadows, push.tracing_group);
     }
 }

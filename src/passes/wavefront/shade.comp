@@ -1,11 +1,11 @@
 #version 460
 // Shades vertices of one class of materials, or of all: what arrives there, which light it asks for, where the path goes on.
-// Reads: scene, view, hits. Reads and writes: block (what is known of first surfaces), control, lists (a class or the rays, to rays
-// and Ended), shadow_list, rays, paths, extras, slots, vertices, shadow_rays, splits. Documents 002, 003.
+// Reads: scene, view, hits, lists (a class or the rays). Reads and writes: block (what is known of first surfaces), control,
+// shadow_list, rays, paths, extras, slots, status, vertices, shadow_rays, splits. Documents 002, 003.
 // variants: MISS EMITTER PLAIN RAY_CONES EMITTER+RAY_CONES PLAIN+RAY_CONES LAYERS MISS+LAYERS EMITTER+LAYERS PLAIN+LAYERS COATED+LAYERS TRANSMISSIVE+LAYERS LAYERS+RAY_CONES EMITTER+LAYERS+RAY_CONES PLAIN+LAYERS+RAY_CONES COATED+LAYERS+RAY_CONES TRANSMISSIVE+LAYERS+RAY_CONES
 // optimised variants
 #extension GL_GOOGLE_include_directive : require
-#include "shared/scene.h"
+#include "shared/wavefront.h"
 #if defined(EMITTER)
 #define ABSENT_MATERIAL_FLAGS (kMaterialTransmits | kMaterialThin | kMaterialCoated | kMaterialSheen)
 #elif defined(PLAIN)
@@ -13,9 +13,15 @@
 #elif defined(COATED)
 #define ABSENT_MATERIAL_FLAGS (kMaterialTransmits | kMaterialThin | kMaterialUnlit)
 #endif
+#if defined(MISS) || defined(EMITTER) || defined(PLAIN) || defined(COATED) || defined(TRANSMISSIVE)
+const uint kClassesHere = 1u;
+#else
+const uint kClassesHere = kClassCount;
+#endif
 #include "scene/film.glsl"
 #include "scene/vertex.glsl"
 #include "wavefront/classes.glsl"
+#include "wavefront/counts.glsl"
 #include "wavefront/linear.glsl"
 #include "wavefront/lists.glsl"
 #include "wavefront/paths.glsl"
@@ -34,15 +40,13 @@ layout(push_constant, scalar) uniform Push {
     Paths paths;
     Extras extras;
     Slots slots;
+    Status status;
     Vertices vertices;
     ShadowRays shadow_rays;
     Splits splits;
-    uint list, next_ray_list;
+    uint list;
     uint round, round_length;  // vertices of a slot since the last Connect, and until the next
 } push;
-
-// Counts of this work group, by bounce and class.
-shared uint group_rays[kCountedBounces * kClassCount], group_shadows[kCountedBounces * kClassCount];
 
 VertexResult vertex_of(ViewData view, PathKey key, WavefrontHit met, inout PathState path, inout FirstHit first) {
 #if defined(MISS)
@@ -54,22 +58,6 @@ VertexResult vertex_of(ViewData view, PathKey key, WavefrontHit met, inout PathS
     if (met.instance_bits == kHitMiss) return end_in_sky(view, path, first);
 #endif
     return shade_vertex(view, key, Hit(met.instance_bits, met.geometry, met.primitive, 0u, 0.0), path, first);
-#endif
-}
-
-uint class_here(WavefrontHit met) {
-#if defined(MISS)
-    return kClassMiss;
-#elif defined(EMITTER)
-    return kClassEmitter;
-#elif defined(PLAIN)
-    return kClassPlain;
-#elif defined(COATED)
-    return kClassCoated;
-#elif defined(TRANSMISSIVE)
-    return kClassTransmissive;
-#else
-    return class_of(met);
 #endif
 }
 
@@ -121,41 +109,28 @@ VertexResult shade(uint slot, WavefrontHit met, uint entry, out uint bounce) {
     return vertex;
 }
 
-void clear_counts() {
-    for (uint c = gl_LocalInvocationIndex; c < kCountedBounces * kClassCount; c += gl_WorkGroupSize.x) group_rays[c] = group_shadows[c] = 0u;
-    barrier();
-}
-
-void add_counts() {
-    barrier();
-    for (uint c = gl_LocalInvocationIndex; c < kCountedBounces * kClassCount; c += gl_WorkGroupSize.x) {
-        if (group_rays[c] == 0u) continue;
-        atomicAdd(push.control.v.rays[c / kClassCount][c % kClassCount], group_rays[c]);
-        if (group_shadows[c] != 0u) atomicAdd(push.control.v.shadows[c / kClassCount][c % kClassCount], group_shadows[c]);
-    }
+// Lists the entries whose shadow rays wait for Connect.
+void ask(bool asks, uint entry) {
+    const uint i = reserve(push.control, kListShadows, bin_if(asks), 1u);
+    if (asks && has_room(push.control, kListShadows, push.control.v.shadow_capacity, i)) push.shadow_list.v[i] = entry;
 }
 
 void main() {
-    clear_counts();
+    begin_counts();
     const uint i = invocation_index();
     const bool lives = i < push.control.v.count[push.list];
-    bool goes_on = false, asks = false;
-    uint slot = 0u, entry = 0u;
+    bool asks = false;
+    uint entry = 0u, bounce = 0u, class_here = 0u;
     if (lives) {
-        slot = push.lists.v[list_at(push.control, push.list, i)];
+        const uint slot = push.lists.v[list_at(push.control, push.list, i)];
         entry = push.round * push.control.v.slot_count + slot;
         const WavefrontHit met = push.hits.v[slot];
-        uint bounce;
         const VertexResult vertex = shade(slot, met, entry, bounce);
-        goes_on = vertex.goes_on;
+        push.status.v[slot] = vertex.goes_on ? kSlotLives : kSlotFree;
         asks = vertex.event.exists;
-        const uint counted = min(bounce, kCountedBounces - 1u) * kClassCount + class_here(met);
-        atomicAdd(group_rays[counted], 1u);
-        if (asks) atomicAdd(group_shadows[counted], 1u);
+        if (kClassesHere != 1u) class_here = class_of(met);
     }
-    list_append(push.lists, push.control, push.next_ray_list, goes_on, slot);
-    list_append(push.lists, push.control, kListEnded, lives && !goes_on, slot);
-    const uint shadow = reserve(push.control, kListShadows, push.control.v.shadow_capacity, asks);
-    if (shadow != kNone) push.shadow_list.v[shadow] = entry;
-    add_counts();
+    ask(asks, entry);
+    count_vertex(push.control, lives, bounce, class_here, asks);
+    end_counts(push.control, kClassesHere == 1u ? push.list - kListClasses : 0u);
 }

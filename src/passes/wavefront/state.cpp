@@ -7,19 +7,19 @@ namespace parhelion::passes {
 
 namespace {
 
-// Places of the lists' array (wavefront/lists.glsl): rays, Ended, then other rays or the classes.
-uint32_t list_places(const WavefrontShape& shape) { return shape.classes ? 5 : 3; }
+// Places of the lists' array (wavefront/lists.glsl): rays, then the classes.
+uint32_t list_places(const WavefrontShape& shape) { return shape.classes ? 4 : 1; }
 
 struct BeginPush {
-    uint64_t control, lists, slots, vertices, class_sums;
+    uint64_t control, status, slots, vertices, class_sums;
     uint32_t round_length;
 };
 struct PreparePush {
     uint64_t control, sizes, rays;
-    uint32_t stage, ray_list, next_ray_list, round_begins, round_ends, tracing_group, row;
+    uint32_t stage, round_begins, round_ends, tracing_group, row;
 };
 
-constexpr uint32_t kGroup = 64;       // of linear kernels
+constexpr uint32_t kTracingGroup = 64;  // scene/trace.glsl
 constexpr uint32_t kRowGroups = 1 << 15;  // below the 65,535 that every device takes
 
 }  // namespace
@@ -27,12 +27,12 @@ constexpr uint32_t kRowGroups = 1 << 15;  // below the 65,535 that every device 
 uint64_t state_bytes(const WavefrontShape& shape) {
     const uint64_t round = shape.round_length;
     return sizeof(shared::WavefrontRay) + sizeof(shared::WavefrontHit) + sizeof(shared::WavefrontPath) + sizeof(shared::WavefrontSlot) +
-           (shape.extra ? sizeof(shared::WavefrontExtra) : 0) + list_places(shape) * sizeof(uint32_t) +
+           (shape.extra ? sizeof(shared::WavefrontExtra) : 0) + (1 + list_places(shape)) * sizeof(uint32_t) +
            round * (sizeof(shared::WavefrontVertex) + sizeof(shared::WavefrontShadowRay) + sizeof(uint32_t)) +
            (shape.split ? (round + 1) * sizeof(shared::WavefrontSplit) + sizeof(shared::WavefrontClassSums) : 0);
 }
 
-WavefrontState make_wavefront_state(const gpu::DevicePtr& device, const WavefrontShape& shape) {
+WavefrontState make_wavefront_state(const gpu::DevicePtr& device, const WavefrontShape& shape, uint64_t pixels) {
     const uint64_t slots = shape.slots, vertices = slots * shape.round_length;
     const auto buffer = [&](const char* name, uint64_t count, uint64_t bytes) {
         return gpu::Buffer(device, std::string("wavefront/") + name, std::max<uint64_t>(count, 1) * bytes);
@@ -41,6 +41,7 @@ WavefrontState make_wavefront_state(const gpu::DevicePtr& device, const Wavefron
             .control = buffer("control", 1, sizeof(shared::WavefrontControl)),
             .sizes = buffer("sizes", shared::kSizeCount, sizeof(shared::WavefrontSize)),
             .lists = buffer("lists", list_places(shape) * slots, sizeof(uint32_t)),
+            .status = buffer("status", slots, sizeof(uint32_t)),
             .rays = buffer("rays", slots, sizeof(shared::WavefrontRay)),
             .hits = buffer("hits", slots, sizeof(shared::WavefrontHit)),
             .paths = buffer("paths", slots, sizeof(shared::WavefrontPath)),
@@ -50,13 +51,15 @@ WavefrontState make_wavefront_state(const gpu::DevicePtr& device, const Wavefron
             .shadow_rays = buffer("shadow_rays", vertices, sizeof(shared::WavefrontShadowRay)),
             .shadow_list = buffer("shadow_list", vertices, sizeof(uint32_t)),
             .splits = buffer("splits", shape.split ? vertices + slots : 0, sizeof(shared::WavefrontSplit)),
-            .class_sums = buffer("class_sums", shape.split ? slots : 0, sizeof(shared::WavefrontClassSums))};
+            .class_sums = buffer("class_sums", shape.split ? slots : 0, sizeof(shared::WavefrontClassSums)),
+            .finished = buffer("finished", pixels, sizeof(uint32_t))};
 }
 
 void begin_wavefront(Frame& frame, const WavefrontState& state) {
+    frame.fill(state.finished, 0);
     frame.compute("wavefront/begin")
         .read_write("control", state.control)
-        .read_write("lists", state.lists)
+        .read_write("status", state.status)
         .read_write("slots", state.slots)
         .read_write("vertices", state.vertices)
         .read_write("class_sums", state.class_sums)
@@ -65,14 +68,12 @@ void begin_wavefront(Frame& frame, const WavefrontState& state) {
 }
 
 void prepare_wavefront(const WavefrontPass& pass, uint32_t stage) {
-    const uint32_t tracing_group = pass.way == gpu::TraceWay::Pipeline ? 1 : kGroup;
+    const uint32_t tracing_group = pass.way == gpu::TraceWay::Pipeline ? 1 : kTracingGroup;
     pass.frame.compute("wavefront/prepare")
         .read_write("control", pass.state.control)
         .write("sizes", pass.state.sizes)
         .read_write("rays", pass.film.rays)
         .push(PreparePush{.stage = stage,
-                          .ray_list = pass.ray_list,
-                          .next_ray_list = pass.next_ray_list,
                           .round_begins = pass.round == 0,
                           .round_ends = pass.round + 1 == pass.state.shape.round_length,
                           .tracing_group = tracing_group,

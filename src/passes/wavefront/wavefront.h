@@ -23,12 +23,13 @@ struct WavefrontState {
     gpu::Buffer control;  // shared::WavefrontControl
     gpu::Buffer sizes;    // shared::WavefrontSize[kSizeCount]
     gpu::Buffer lists;    // uint[places][slots]
-    gpu::Buffer rays, hits, paths, extras, slots;   // [slots]
+    gpu::Buffer status, rays, hits, paths, extras, slots;  // [slots]
     gpu::Buffer vertices, shadow_rays, shadow_list; // [round_length][slots]
     gpu::Buffer splits;      // [round_length + 1][slots]
     gpu::Buffer class_sums;  // [slots]
+    gpu::Buffer finished;    // uint[pixels of the film]: samples of the slice that are in it
 };
-WavefrontState make_wavefront_state(const gpu::DevicePtr& device, const WavefrontShape& shape);
+WavefrontState make_wavefront_state(const gpu::DevicePtr& device, const WavefrontShape& shape, uint64_t pixels);
 uint64_t state_bytes(const WavefrontShape& shape);  // of one slot
 
 // What kernels of an iteration have in common.
@@ -39,9 +40,7 @@ struct WavefrontPass {
     const Film& film;
     const WavefrontState& state;
     bool ray_cones = false;
-    uint32_t round = 0;     // vertices of every slot since the last Connect
-    uint32_t ray_list = 0;  // shared::kListRays or kListOtherRays: the iteration's rays
-    uint32_t next_ray_list = 0;
+    uint32_t round = 0;  // vertices of every slot since the last Connect
 };
 
 void begin_wavefront(Frame& frame, const WavefrontState& state);
