@@ -16,7 +16,7 @@ namespace {
 
 constexpr size_t kGrain = 1u << 15;
 
-void read_triangles(std::span<const BottomGeometry> geometries, std::vector<shared::BvhTriangle>& triangles) {
+void read_triangles(std::span<const BottomGeometry> geometries, shared::BvhTriangle* triangles) {
     size_t first = 0;
     for (uint32_t g = 0; g < geometries.size(); ++g) {
         const BottomGeometry& geometry = geometries[g];
@@ -73,21 +73,21 @@ Box world_box(const RootBoxes& root, const glm::mat4& place, const glm::vec3 (&i
 
 }  // namespace
 
-uint32_t add_bottom(Bottoms& bottoms, std::span<const BottomGeometry> geometries, MeshClass mesh_class) {
+uint32_t add_bottom(Bottoms& bottoms, std::span<const BottomGeometry> geometries) {
     size_t count = 0;
     for (const BottomGeometry& geometry : geometries) count += geometry.triangles.size();
     const Layout layout = bottoms.nodes.layout;
-    const float growth = mesh_class == MeshClass::Static ? static_growth(layout) : 0.0f;
+    const float growth = static_growth(layout);
     const double most = double(count) * (1.0 + growth);
     if (double(bottoms.triangles.size()) + most >= shared::kBvhItemMask || double(bottoms.nodes.size()) + most >= shared::kBvhItemMask)  // two numbers are taken
         throw Error(ErrorCode::Failed, "the scene has more than 2^31 triangles", "own BVH", "trace by pipeline or query");
-    std::vector<shared::BvhTriangle> triangles(count);
-    read_triangles(geometries, triangles);
-    WideTree tree = build_wide_tree(triangles, {.width = node_width(layout),
+    auto triangles = std::make_unique_for_overwrite<shared::BvhTriangle[]>(count);  // by the threads that fill it
+    read_triangles(geometries, triangles.get());
+    WideTree tree = build_wide_tree(std::span<const shared::BvhTriangle>(triangles.get(), count), {.width = node_width(layout),
                                                 .max_leaf = shared::kBvhMaxLeaf,
                                                 .max_depth = max_bottom_depth(layout),
                                                 .growth = growth,
-                                                .node_cost = layout == Layout::Compact ? 4.0f : 0.0f});
+                                                .node_cost = bottom_node_cost(layout)});
 
     const size_t first_triangle = bottoms.triangles.size();
     bottoms.roots.push_back(static_cast<uint32_t>(bottoms.nodes.size()));

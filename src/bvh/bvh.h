@@ -27,14 +27,11 @@ struct Bottoms {
     std::vector<uint32_t> roots;  // by mesh
 };
 
-// How a bottom level may be built. Static: large triangles may be in several leaves, whose boxes together contain them; at most 1.3
-// leaf entries a triangle. Deforming: every triangle is in exactly one leaf, whose box contains it, so that it can be refitted.
-enum class MeshClass { Static, Deforming };
-
-// Adds a mesh, in the layout that bottoms.nodes has; returns its index in `roots`. Degenerate triangles are in leaves too (no ray
-// hits them); those with a corner that is not finite or beyond +-1e18 are left out. Takes at most 250 bytes a triangle on the way.
-// Throws Error beyond 2^31 triangles or nodes in all.
-uint32_t add_bottom(Bottoms& bottoms, std::span<const BottomGeometry> geometries, MeshClass mesh_class = MeshClass::Static);
+// Adds a mesh that keeps its shape (what deforms: refit.h), in the layout that bottoms.nodes has; returns its index in `roots`. Large
+// triangles may be in several leaves, whose boxes together contain them; at most 1.3 leaf entries a triangle. Degenerate triangles are in
+// leaves too (no ray hits them); those with a corner that is not finite or beyond +-1e18 are left out. Takes at most 250 bytes a
+// triangle on the way. Throws Error beyond 2^31 triangles or nodes in all.
+uint32_t add_bottom(Bottoms& bottoms, std::span<const BottomGeometry> geometries);
 
 // ---- top level ----
 

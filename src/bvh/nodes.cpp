@@ -96,6 +96,7 @@ uint32_t node_width(Layout layout) { return info(layout).width; }
 uint32_t node_bytes(Layout layout) { return info(layout).bytes; }
 uint32_t max_bottom_depth(Layout layout) { return shared::kBvhBottomLevels * 2 / node_width(layout); }
 uint32_t max_top_depth(Layout layout) { return shared::kBvhTopLevels * 2 / node_width(layout); }
+float bottom_node_cost(Layout layout) { return layout == Layout::Compact ? 4.0f : 0.0f; }
 
 shared::BvhNode to_shared(const WideNode& node) {
     shared::BvhNode out{};

@@ -20,6 +20,9 @@ uint32_t node_bytes(Layout layout);
 // Levels of nodes that a tree may have.
 uint32_t max_bottom_depth(Layout layout);
 uint32_t max_top_depth(Layout layout);
+// What bottom levels count a node for, in triangle tests; with the compact layout they then take at most 64 bytes a triangle. 0: what
+// suits the width.
+float bottom_node_cost(Layout layout);
 
 shared::BvhNode to_shared(const WideNode& node);
 // shared::quantise_axis(), to the last bit, where children that are not there have empty planes: 3e38 and -3e38.

@@ -209,6 +209,12 @@ struct SceneGpu::State {
     void upload_images(Frame& frame, Slice& slice);
     void upload_meshes(Frame& frame, Slice& slice);
     void build_own_bottoms(Frame& frame, Slice& slice);
+    struct OwnTree {
+        Handle<Mesh> mesh;
+        uint64_t triangles;
+        std::unique_ptr<bvh::Bottoms> host;
+    };
+    std::vector<OwnTree> build_own_trees(Slice& slice);
     void take_own_rows(Frame& frame, MeshOnDevice& mesh, uint64_t nodes, uint64_t triangles);
     void plan_refits(Frame& frame, Slice& slice);
     void refit_own_bottoms(Frame& frame, Slice& slice);
