@@ -48,18 +48,19 @@ SHARED_FN float quantised_plane(float origin, float scale, float n) { return ori
 // The next larger number of 16 significant bits.
 SHARED_FN float next_scale(float scale) { return uintBitsToFloat((floatBitsToUint(scale) | 0xFFu) + 1u); }
 
-// The largest n whose plane does not lie above `plane`; plane 0 never does. The quotient is only a first guess.
-SHARED_FN uint quantise_down(float origin, float scale, float plane) {
-    float n = min(max(floor((plane - origin) / scale), 0.0f), 255.0f);
-    while (n > 0.0f && quantised_plane(origin, scale, n) > plane) n -= 1.0f;
-    return uint(n);
+// A first guess at the n of a plane: right, or one off, as far as exact planes go. Rounding keeps their order.
+SHARED_FN float guess_n(float origin, float per_scale, float plane) { return float(int(min(max((plane - origin) * per_scale, 0.0f), 255.0f))); }
+
+// The largest n whose plane does not lie above `plane`; plane 0 never does.
+SHARED_FN uint quantise_down(float origin, float scale, float per_scale, float plane) {
+    const float guess = guess_n(origin, per_scale, plane), n = guess - (quantised_plane(origin, scale, guess) > plane ? 1.0f : 0.0f);
+    return uint(int(min(max(n + (quantised_plane(origin, scale, n + 1.0f) <= plane ? 1.0f : 0.0f), 0.0f), 255.0f)));
 }
 
 // The smallest n whose plane does not lie below `plane`; plane 255 never does.
-SHARED_FN uint quantise_up(float origin, float scale, float plane) {
-    float n = min(max(ceil((plane - origin) / scale), 0.0f), 255.0f);
-    while (n < 255.0f && quantised_plane(origin, scale, n) < plane) n += 1.0f;
-    return uint(n);
+SHARED_FN uint quantise_up(float origin, float scale, float per_scale, float plane) {
+    const float guess = guess_n(origin, per_scale, plane), n = guess + (quantised_plane(origin, scale, guess) < plane ? 1.0f : 0.0f);
+    return uint(int(min(n + (quantised_plane(origin, scale, n) < plane ? 1.0f : 0.0f), 255.0f)));
 }
 
 // Rounds outwards: each quantised interval contains the given one, down to the last bit. Empty children get 255 to 0.
@@ -75,10 +76,11 @@ SHARED_FN QuantisedAxis quantise_axis(vec4 low, vec4 high, uvec4 child) {
     axis.origin = first <= last ? first : 0.0f;
     // A step of the scale is at least 2^-16 of it and the quotient good to 2^-22, so plane 255 does not lie below `last`.
     axis.scale = next_scale(first <= last ? max((last - first) * (1.0f / 255.0f), smallest) : smallest);
-    axis.low = (child.x != kBvhEmpty ? quantise_down(axis.origin, axis.scale, low.x) : 255u) | (child.y != kBvhEmpty ? quantise_down(axis.origin, axis.scale, low.y) : 255u) << 8 |
-               (child.z != kBvhEmpty ? quantise_down(axis.origin, axis.scale, low.z) : 255u) << 16 | (child.w != kBvhEmpty ? quantise_down(axis.origin, axis.scale, low.w) : 255u) << 24;
-    axis.high = (child.x != kBvhEmpty ? quantise_up(axis.origin, axis.scale, high.x) : 0u) | (child.y != kBvhEmpty ? quantise_up(axis.origin, axis.scale, high.y) : 0u) << 8 |
-                (child.z != kBvhEmpty ? quantise_up(axis.origin, axis.scale, high.z) : 0u) << 16 | (child.w != kBvhEmpty ? quantise_up(axis.origin, axis.scale, high.w) : 0u) << 24;
+    const float per_scale = 1.0f / axis.scale;
+    axis.low = (child.x != kBvhEmpty ? quantise_down(axis.origin, axis.scale, per_scale, low.x) : 255u) | (child.y != kBvhEmpty ? quantise_down(axis.origin, axis.scale, per_scale, low.y) : 255u) << 8 |
+               (child.z != kBvhEmpty ? quantise_down(axis.origin, axis.scale, per_scale, low.z) : 255u) << 16 | (child.w != kBvhEmpty ? quantise_down(axis.origin, axis.scale, per_scale, low.w) : 255u) << 24;
+    axis.high = (child.x != kBvhEmpty ? quantise_up(axis.origin, axis.scale, per_scale, high.x) : 0u) | (child.y != kBvhEmpty ? quantise_up(axis.origin, axis.scale, per_scale, high.y) : 0u) << 8 |
+                (child.z != kBvhEmpty ? quantise_up(axis.origin, axis.scale, per_scale, high.z) : 0u) << 16 | (child.w != kBvhEmpty ? quantise_up(axis.origin, axis.scale, per_scale, high.w) : 0u) << 24;
     return axis;
 }
 

@@ -94,6 +94,12 @@ struct WavefrontSplit {
     vec3 diffuse, specular, transmission;  // of the sampled light
 };
 
+// What a slot's sample has gathered so far by path class, there too: 72 bytes. Floats are added in the order of the path, as the
+// reference adds them.
+struct WavefrontClassSums {
+    vec3 emission, direct_diffuse, direct_specular, indirect_diffuse, indirect_specular, transmission;
+};
+
 // Bounces that the statistics tell apart; the last one counts all further ones too.
 SHARED_CONST uint kCountedBounces = 32u;
 

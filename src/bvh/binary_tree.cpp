@@ -11,7 +11,7 @@ namespace parhelion::bvh {
 namespace {
 
 constexpr uint32_t kSubtree = 1u << 12;   // ranges up to this size are one thread's work
-constexpr uint32_t kTogether = 128;       // larger ranges are all threads' work, if they hold more than this part of everything
+constexpr uint32_t kTogether = 64;        // larger ranges are all threads' work, if they hold more than this part of everything
 // Halves that have less in common are not worth a spatial split: shares of the root's surface (Stich et al. 2009) and of the range's
 // own, if it is large or small.
 constexpr float kSmallOverlap = 1e-5f, kShareLarge = 0.1f, kShareSmall = 0.3f;
@@ -25,7 +25,16 @@ struct Range {
 // What one thread, or all of them together, works with.
 struct Worker {
     Team team;
-    std::vector<Reference> scratch;
+    std::unique_ptr<Reference[]> scratch;
+    size_t scratch_size = 0;
+    Reference* scratch_of(size_t size) {
+        if (size > scratch_size) {
+            scratch.reset();
+            scratch = std::make_unique_for_overwrite<Reference[]>(size);  // by the threads that fill it
+            scratch_size = size;
+        }
+        return scratch.get();
+    }
 };
 
 float overlap(const Box& a, const Box& b) {
@@ -47,14 +56,14 @@ public:
         // its second half, which no other node shares, so threads need no common counter.
         const uint32_t small = std::max(kSubtree, count_ / kTogether);
         std::vector<Range> large{{0, count_, tree_.slots, 0, &tree_.root}}, rest;
-        Worker all{.team = {.all_threads = true}, .scratch = {}};
+        Worker all{.team = {.all_threads = true}};
         while (!large.empty()) {
             const Range range = large.back();
             large.pop_back();
             if (range.count <= small) rest.push_back(range);
             else split_range(range, all, large), tree_.top.push_back(*range.link);
         }
-        all.scratch = std::vector<Reference>();  // frees it; {} would not
+        all.scratch.reset();
         std::stable_sort(rest.begin(), rest.end(), [](const Range& a, const Range& b) { return a.count > b.count; });
         parallel_for(rest.size(), 1, [&](size_t begin, size_t end) {
             Worker one;
@@ -82,15 +91,13 @@ private:
             return;
         }
         const std::span<Reference> references = references_of(range);
-        const Extent extent = worker.team.sum(references, Extent{}, [](Extent& e, const Reference& r) {
-            e.box.add(r.box());
-            e.centers.add(center(r));
-        });
+        const Extent extent = worker.team.sum<Extent>(references, [](Extent& e, const Reference& r) { e.add(Lanes(r)); });
         if (range.depth == 0) small_overlap_ = kSmallOverlap * extent.box.half_area();
         const Halves halves = split(range, extent, worker);
         const uint32_t index = halves.right_first;
         BinaryNode& node = tree_.nodes[index];
-        node.min = extent.box.min, node.max = extent.box.max;
+        const Box box = extent.box.box();
+        node.min = box.min, node.max = box.max;
         *range.link = index;
         out.push_back({range.first, halves.left_count, halves.left_slots, range.depth + 1, &node.left});
         out.push_back({halves.right_first, halves.right_count, halves.right_slots, range.depth + 1, &node.right});
@@ -114,13 +121,13 @@ private:
         ObjectSplit object;
         const Binning binning(extent);
         const bool sweep = range.count <= kSweep;
-        if (sweep) static_cast<Split&>(object) = best_sweep_split(references, extent.centers);
+        if (sweep) static_cast<Split&>(object) = best_sweep_split(references, extent.centers.box());
         else object = best_binned_split(references, binning, worker.team);
 
         // Within a leaf's size no references are added: the height counts from there.
         const float small = std::max(small_overlap_, (sweep ? kShareSmall : kShareLarge) * extent.box.half_area());
         if (range.slots > range.count && range.count > limits_.max_leaf && (object.axis < 0 || overlap(object.left, object.right) > small)) {
-            const SpatialSplit spatial = best_spatial_split(references, triangles_, extent.box, object.cost, worker.team);
+            const SpatialSplit spatial = best_spatial_split(references, triangles_, extent.box.box(), object.cost, worker.team);
             if (spatial.axis >= 0 && spatial.left_count + spatial.right_count <= range.slots) {
                 const Halves halves = divide(range, worker, [&](const Reference& r) { return part_reference(r, triangles_, spatial); });
                 if (halves.left_count > 0) return halves;
@@ -132,7 +139,7 @@ private:
             });
             if (halves.left_count > 0) return halves;
         }
-        return halve(range, extent.centers);
+        return halve(range, extent.centers.box());
     }
 
     struct Side {
@@ -156,8 +163,7 @@ private:
             Side left, right;
         };
         const std::span<Reference> references = references_of(range);
-        std::vector<Reference>& scratch = worker.scratch;  // chunk by chunk: first halves, then as much space for second ones
-        if (scratch.size() < 2 * references.size()) scratch.resize(2 * references.size());
+        Reference* const scratch = worker.scratch_of(2 * references.size());  // chunk by chunk: first halves, then as much space for second ones
         std::vector<Sides> chunks((references.size() + kChunk - 1) / kChunk);
         worker.team.for_each_chunk(references.size(), [&](size_t c, size_t first, size_t last) {
             Sides& sides = chunks[c];
@@ -180,8 +186,8 @@ private:
         }
         Reference* const left = references.data();
         worker.team.for_each_chunk(references.size(), [&](size_t c, size_t first, size_t last) {
-            std::copy_n(scratch.begin() + static_cast<std::ptrdiff_t>(2 * first), chunks[c].left.count, left + before[c].left.count);
-            std::copy_n(scratch.begin() + static_cast<std::ptrdiff_t>(first + last), chunks[c].right.count, left + left_slots + before[c].right.count);
+            std::copy_n(scratch + 2 * first, chunks[c].left.count, left + before[c].left.count);
+            std::copy_n(scratch + first + last, chunks[c].right.count, left + left_slots + before[c].right.count);
         });
         return {sum.left.count, left_slots, range.first + left_slots, sum.right.count, range.slots - left_slots};
     }

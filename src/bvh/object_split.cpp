@@ -9,7 +9,7 @@ namespace {
 constexpr float kSizePenalty = 1.5f;
 
 struct Bin {
-    Box box;
+    Lanes box;
     uint32_t count = 0;
 };
 
@@ -36,10 +36,11 @@ uint32_t sortable(float x) {
 }  // namespace
 
 ObjectSplit best_binned_split(std::span<const Reference> references, const Binning& binning, const Team& team) {
-    const Bins sum = team.sum(references, Bins{}, [&](Bins& s, const Reference& r) {
+    const Bins sum = team.sum<Bins>(references, [&](Bins& s, const Reference& r) {
+        const Lanes box(r);
         for (int axis = 0; axis <= kBySize; ++axis) {
             Bin& bin = s.bins[axis][binning.bin(r, axis)];
-            bin.box.add(r.box());
+            bin.box.add(box);
             ++bin.count;
         }
     });
@@ -48,8 +49,8 @@ ObjectSplit best_binned_split(std::span<const Reference> references, const Binni
     for (int axis = 0; axis <= kBySize; ++axis) {
         if (!binning.can_split(axis)) continue;
         const auto& bins = sum.bins[axis];
-        std::array<Box, kBins> right_box;
-        Box right;
+        std::array<Lanes, kBins> right_box;
+        Lanes right;
         for (uint32_t b = kBins - 1; b > 0; --b) {
             right.add(bins[b].box);
             right_box[b] = right;
@@ -62,7 +63,7 @@ ObjectSplit best_binned_split(std::span<const Reference> references, const Binni
             float cost = left.box.half_area() * float(left.count) + right_box[b].half_area() * float(count - left.count);
             if (axis == kBySize) cost *= kSizePenalty;
             if (!is_better(cost, left.count, best, count)) continue;
-            static_cast<Split&>(best) = {cost, axis, left.count, count - left.count, left.box, right_box[b]};
+            static_cast<Split&>(best) = {cost, axis, left.count, count - left.count, left.box.box(), right_box[b].box()};
             best.bin = b;
         }
     }
@@ -78,14 +79,14 @@ Split best_sweep_split(std::span<Reference> references, const Box& centers) {
         if (!(centers.max[axis] > centers.min[axis]) && (axis < 2 || best.axis >= 0)) continue;  // the last axis serves if all centers are equal
         for (uint32_t i = 0; i < count; ++i) keys[axis][i] = uint64_t(sortable(center(references[i])[axis])) << 32 | i;
         std::sort(keys[axis].begin(), keys[axis].begin() + count);
-        Box right;
+        Lanes right;
         for (uint32_t i = count - 1; i > 0; --i) {
-            right.add(references[static_cast<uint32_t>(keys[axis][i])].box());
+            right.add(Lanes(references[static_cast<uint32_t>(keys[axis][i])]));
             right_cost[i] = right.half_area() * float(count - i);
         }
-        Box left;
+        Lanes left;
         for (uint32_t i = 1; i < count; ++i) {
-            left.add(references[static_cast<uint32_t>(keys[axis][i - 1])].box());
+            left.add(Lanes(references[static_cast<uint32_t>(keys[axis][i - 1])]));
             const float cost = left.half_area() * float(i) + right_cost[i];
             if (is_better(cost, i, best, count)) best.cost = cost, best.axis = axis, best.left_count = i;
         }

@@ -33,7 +33,7 @@ RefitPlan plan_refit(std::span<const BottomGeometry> geometries, Layout layout) 
     std::vector<Box> boxes(count);
     std::vector<shared::RefitTriangle> triangles(count);
     read_triangles(geometries, boxes, triangles);
-    const WideTree tree = build_wide_tree(boxes, node_width(layout), shared::kBvhMaxLeaf, max_bottom_depth(layout));
+    const WideTree tree = build_wide_tree(boxes, node_width(layout), shared::kBvhMaxLeaf, max_bottom_depth(layout), bottom_node_cost(layout));
     PARHELION_CHECK(tree.order.size() == count, "{} triangles in the leaves of a tree of {}", tree.order.size(), count);
 
     RefitPlan plan;

@@ -6,11 +6,12 @@ namespace parhelion::bvh {
 
 namespace {
 
-// How much cutting triangles, not boxes only, is expected to bring at most. Where there are few, nearly all of them are cut.
-constexpr float kHopefulLarge = 2.0f, kHopefulSmall = 1.4f;
+// How much cutting triangles, not boxes only, is expected to bring at most: only those that are cut get smaller. Where there are few,
+// nearly all of them are cut.
+constexpr float kHopefulCut = 0.5f;
 
 struct Bin {
-    Box enter_box, leave_box;       // of the references that begin and that end here
+    Lanes enter_box, leave_box;     // of the references that begin and that end here
     uint32_t enter = 0, leave = 0;  // their numbers
 };
 struct LooseBins {
@@ -28,7 +29,7 @@ struct LooseBins {
 
 // What of the triangles lies between two planes of the chosen axis.
 struct CutBins {
-    std::array<Box, kBins> boxes;
+    std::array<Lanes, kBins> boxes, parts;  // the latter of one triangle at a time
     void add(const CutBins& other) {
         for (uint32_t b = 0; b < kBins; ++b) boxes[b].add(other.boxes[b]);
     }
@@ -66,6 +67,32 @@ struct Planes {
     glm::vec3 low, width, scale;
 };
 
+// Cuts what of a triangle is in `box` at the planes of some bins. Good enough for costs: its crossings are not rounded outwards.
+void add_cut(const shared::BvhTriangle& triangle, const Lanes& box, int axis, const Planes& planes, uint32_t first, uint32_t last, CutBins& sum) {
+    std::array<Lanes::Four, 3> corners;
+    std::array<uint32_t, 3> bins;
+    for (size_t k = 0; k < 3; ++k) {
+        std::memcpy(&corners[k], &(&triangle.p0)[k], sizeof(Lanes::Four));
+        bins[k] = std::clamp(planes.bin(corners[k][axis], axis), first, last);
+        sum.parts[bins[k]].add(corners[k]);
+    }
+    for (size_t k = 0; k < 3; ++k) {
+        const size_t next = k < 2 ? k + 1 : 0, low = bins[k] < bins[next] ? k : next, high = k + next - low;
+        if (bins[low] == bins[high]) continue;
+        const Lanes::Four a = corners[low], d = corners[high] - a;
+        const float scale = 1.0f / d[axis];
+        for (uint32_t b = bins[low] + 1; b <= bins[high]; ++b) {
+            const Lanes::Four crossing = a + d * ((planes.plane(b, axis) - a[axis]) * scale);
+            sum.parts[b - 1].add(crossing), sum.parts[b].add(crossing);
+        }
+    }
+    for (uint32_t b = first; b <= last; ++b) {
+        sum.parts[b].limit(box);
+        if (!is_empty(sum.parts[b].box())) sum.boxes[b].add(sum.parts[b]);
+        sum.parts[b] = {};
+    }
+}
+
 }  // namespace
 
 Parts cut(const shared::BvhTriangle& triangle, const Box& box, int axis, float plane) {
@@ -85,12 +112,13 @@ Parts cut(const shared::BvhTriangle& triangle, const Box& box, int axis, float p
 
 SpatialSplit best_spatial_split(std::span<const Reference> references, std::span<const shared::BvhTriangle> triangles, const Box& box, float limit, const Team& team) {
     const Planes planes(box, references.size());
-    const LooseBins loose = team.sum(references, LooseBins{}, [&](LooseBins& s, const Reference& r) {
+    const LooseBins loose = team.sum<LooseBins>(references, [&](LooseBins& s, const Reference& r) {
+        const Lanes whole(r);
         for (int axis = 0; axis < 3; ++axis) {
             Bin& first = s.bins[axis][planes.bin(r.min[axis], axis)];
-            ++first.enter, first.enter_box.add(r.box());
+            ++first.enter, first.enter_box.add(whole);
             Bin& last = s.bins[axis][planes.bin(r.max[axis], axis)];
-            ++last.leave, last.leave_box.add(r.box());
+            ++last.leave, last.leave_box.add(whole);
         }
     });
     const auto count = static_cast<uint32_t>(references.size());
@@ -111,38 +139,35 @@ SpatialSplit best_spatial_split(std::span<const Reference> references, std::span
     for (int axis = 0; axis < 3; ++axis) {
         if (!(planes.scale[axis] > 0.0f)) continue;
         const auto& bins = loose.bins[axis];
-        std::array<Box, kBins> left, right;
+        std::array<Lanes, kBins> left, right;
         for (uint32_t b = 1; b < planes.bins; ++b) left[b] = left[b - 1], left[b].add(bins[b - 1].enter_box);
         for (uint32_t b = planes.bins - 1; b > 0; --b) {
             if (b + 1 < planes.bins) right[b] = right[b + 1];
             right[b].add(bins[b].leave_box);
         }
         const auto left_box = [&](uint32_t b) {
-            Box cut_box = left[b];
+            Box cut_box = left[b].box();
             cut_box.max[axis] = std::min(cut_box.max[axis], planes.plane(b, axis));
             return cut_box;
         };
         const auto right_box = [&](uint32_t b) {
-            Box cut_box = right[b];
+            Box cut_box = right[b].box();
             cut_box.min[axis] = std::max(cut_box.min[axis], planes.plane(b, axis));
             return cut_box;
         };
         try_planes(axis, left_box, right_box, guess);
     }
-    if (guess.axis < 0 || !(guess.cost < (count > kSweep ? kHopefulLarge : kHopefulSmall) * limit)) return {};
+    if (guess.axis < 0) return {};
+    const float cut_share = float(guess.left_count + guess.right_count - count) / float(count);
+    if (!(guess.cost < (1.0f + kHopefulCut * cut_share) * limit)) return {};
 
     const int axis = guess.axis;
-    const CutBins cuts = team.sum(references, CutBins{}, [&](CutBins& s, const Reference& r) {
+    const CutBins cuts = team.sum<CutBins>(references, [&](CutBins& s, const Reference& r) {
         const uint32_t first = planes.bin(r.min[axis], axis), last = planes.bin(r.max[axis], axis);
-        Box rest = r.box();
-        for (uint32_t b = first; b < last; ++b) {
-            const Parts parts = cut(triangles[r.index], rest, axis, planes.plane(b + 1, axis));
-            s.boxes[b].add(parts.left);
-            rest = parts.right;
-        }
-        s.boxes[last].add(rest);
+        if (first == last) s.boxes[first].add(Lanes(r));
+        else add_cut(triangles[r.index], Lanes(r), axis, planes, first, last, s);
     });
-    std::array<Box, kBins> left, right;
+    std::array<Lanes, kBins> left, right;
     for (uint32_t b = 1; b < planes.bins; ++b) left[b] = left[b - 1], left[b].add(cuts.boxes[b - 1]);
     for (uint32_t b = planes.bins - 1; b > 0; --b) {
         if (b + 1 < planes.bins) right[b] = right[b + 1];
@@ -150,7 +175,7 @@ SpatialSplit best_spatial_split(std::span<const Reference> references, std::span
     }
     SpatialSplit best;
     best.cost = limit;
-    try_planes(axis, [&](uint32_t b) { return left[b]; }, [&](uint32_t b) { return right[b]; }, best);
+    try_planes(axis, [&](uint32_t b) { return left[b].box(); }, [&](uint32_t b) { return right[b].box(); }, best);
     return best;
 }
 

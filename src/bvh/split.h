@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstring>
 #include <span>
 #include <vector>
 
@@ -13,10 +14,24 @@ namespace parhelion::bvh {
 
 constexpr uint32_t kBins = 16;
 constexpr uint32_t kSweep = 32;        // references up to which every position is tried
-constexpr uint32_t kChunk = 1u << 15;  // larger ranges are scanned in chunks of this size, so that sums do not show the threads
+constexpr uint32_t kChunk = 1u << 13;  // larger ranges are scanned in chunks of this size, so that sums do not show the threads
 
 // Twice the center of a box: saves a product.
 inline glm::vec3 center(const Reference& reference) { return reference.min + reference.max; }
+
+// A box in two rows of four numbers, of which the last means nothing: one instruction each.
+struct Lanes {
+    using Four [[gnu::vector_size(16)]] = float;
+    Lanes() = default;
+    explicit Lanes(const Reference& r) { std::memcpy(&low, &r.min, sizeof(Four)), std::memcpy(&high, &r.max, sizeof(Four)); }
+    void add(const Lanes& b) { low = b.low < low ? b.low : low, high = b.high > high ? b.high : high; }
+    void add(Four p) { low = p < low ? p : low, high = p > high ? p : high; }
+    void limit(const Lanes& b) { low = b.low > low ? b.low : low, high = b.high < high ? b.high : high; }
+    Box box() const { return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}}; }
+    float half_area() const { return box().half_area(); }
+    Four low = {3e38f, 3e38f, 3e38f, 3e38f}, high = {-3e38f, -3e38f, -3e38f, -3e38f};  // empty
+};
+static_assert(sizeof(Reference) == 2 * sizeof(Lanes::Four) && offsetof(Reference, max) == sizeof(Lanes::Four));
 
 // Who scans a range: one thread, or all.
 struct Team {
@@ -35,25 +50,25 @@ struct Team {
 
     // Adds up references chunk by chunk: add(sum, reference).
     template <class Sum, class Add>
-    Sum sum(std::span<const Reference> references, const Sum& empty, Add&& add) const {
+    Sum sum(std::span<const Reference> references, Add&& add) const {
+        Sum total{};
         if (references.size() <= kChunk) {
-            Sum total = empty;
             for (const Reference& r : references) add(total, r);
             return total;
         }
-        std::vector<Sum> parts((references.size() + kChunk - 1) / kChunk, empty);
+        std::vector<Sum> parts((references.size() + kChunk - 1) / kChunk);
         for_each_chunk(references.size(), [&](size_t c, size_t first, size_t last) {
             for (size_t i = first; i < last; ++i) add(parts[c], references[i]);
         });
-        Sum total = empty;
         for (const Sum& part : parts) total.add(part);
         return total;
     }
 };
 
-// Box of a range's references, and of their centers.
+// Box of a range's references, and of (twice) their centers.
 struct Extent {
-    Box box, centers;
+    Lanes box, centers;
+    void add(const Lanes& b) { box.add(b), centers.add(b.low + b.high); }
     void add(const Extent& e) { box.add(e.box), centers.add(e.centers); }
 };
 
@@ -69,8 +84,8 @@ struct Split {
 // from what is small (a room's walls from what is in it).
 constexpr int kBySize = 3;
 struct Binning {
-    explicit Binning(const Extent& e) : low(e.centers.min), area(e.box.half_area()) {
-        const glm::vec3 extent = e.centers.max - e.centers.min;
+    explicit Binning(const Extent& e) : low(e.centers.box().min), area(e.box.half_area()) {
+        const glm::vec3 extent = e.centers.box().max - low;
         for (int axis = 0; axis < 3; ++axis) scale[axis] = extent[axis] > 0.0f ? float(kBins) * (1.0f - 1e-6f) / extent[axis] : 0.0f;
     }
     uint32_t bin(const Reference& r, int axis) const {

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "bvh/bounds.h"
 
 namespace parhelion::bvh {
 
@@ -17,39 +18,6 @@ namespace {
 constexpr uint32_t kBins = 16;
 constexpr uint32_t kSmall = 8;       // ranges up to this size are sorted, and every split is tried
 constexpr uint32_t kSubtree = 1024;  // ranges up to this size are built by one thread
-
-// Four floats that fit a register; the last means nothing. Compilers make one instruction of each of these, and six of glm's on vec3.
-struct alignas(16) Four {
-    float v[4];
-};
-Four lower(const Four& a, const Four& b) {
-    Four out;
-    for (int i = 0; i < 4; ++i) out.v[i] = a.v[i] < b.v[i] ? a.v[i] : b.v[i];
-    return out;
-}
-Four higher(const Four& a, const Four& b) {
-    Four out;
-    for (int i = 0; i < 4; ++i) out.v[i] = a.v[i] > b.v[i] ? a.v[i] : b.v[i];
-    return out;
-}
-
-struct Bounds {
-    Four low{{3e38f, 3e38f, 3e38f, 3e38f}}, high{{-3e38f, -3e38f, -3e38f, -3e38f}};  // empty
-    void add(const Bounds& b) { low = lower(low, b.low), high = higher(high, b.high); }
-    void add(const Four& p) { low = lower(low, p), high = higher(high, p); }
-    float extent(int axis) const { return high.v[axis] - low.v[axis]; }
-    float half_area() const { return extent(0) * extent(1) + extent(1) * extent(2) + extent(2) * extent(0); }
-    int widest() const { return extent(0) >= extent(1) && extent(0) >= extent(2) ? 0 : extent(1) >= extent(2) ? 1 : 2; }
-    float center(int axis) const { return low.v[axis] + high.v[axis]; }  // twice: saves a product
-    Four center() const {
-        Four out;
-        for (int i = 0; i < 4; ++i) out.v[i] = low.v[i] + high.v[i];
-        return out;
-    }
-};
-
-Bounds to_bounds(const Box& box) { return {{{box.min.x, box.min.y, box.min.z, 0}}, {{box.max.x, box.max.y, box.max.z, 0}}}; }
-Box to_box(const Bounds& b) { return {{b.low.v[0], b.low.v[1], b.low.v[2]}, {b.high.v[0], b.high.v[1], b.high.v[2]}}; }
 
 // Items that belong together: `side` says in which of the two arrays. A split writes its halves into the other one.
 struct Range {
@@ -65,9 +33,9 @@ struct Task {
 };
 constexpr uint32_t kNoParent = ~0u;
 
-class TopTree {
+class Builder {
 public:
-    TopTree(std::span<const Box> boxes, uint32_t width, uint32_t max_depth) : width_(width), max_depth_(max_depth) {
+    Builder(std::span<const Box> boxes, uint32_t width, uint32_t max_depth) : width_(width), max_depth_(max_depth) {
         for (Side& side : sides_) side.boxes.resize(boxes.size()), side.index.resize(boxes.size());
         for (uint32_t i = 0; i < boxes.size(); ++i) {
             if (boxes[i].empty()) continue;
@@ -81,9 +49,9 @@ public:
     }
 
     // Large ranges one after the other, then small ones side by side, whose nodes follow in their order.
-    WideTree build() {
+    TopTree build() {
         std::vector<WideNode> nodes;
-        if (root_.count == 0) return {.width = width_, .nodes = {WideNode{}}, .order = {}, .rest = {}};
+        if (root_.count == 0) return {{.width = width_, .nodes = {WideNode{}}, .order = {}, .rest = {}}, {}};
         std::vector<Task> small;
         build_nodes({root_, kNoParent, 0, 0}, nodes, &small);
         std::vector<std::vector<WideNode>> subtrees(small.size());
@@ -91,8 +59,10 @@ public:
             for (size_t i = begin; i < end; ++i) build_nodes({small[i].range, kNoParent, 0, small[i].depth}, subtrees[i], nullptr);
         });
         nodes.reserve(std::accumulate(subtrees.begin(), subtrees.end(), nodes.size(), [](size_t sum, const auto& subtree) { return sum + subtree.size(); }));
+        std::vector<uint32_t> parts;
         for (size_t i = 0; i < small.size(); ++i) {
             const auto first = static_cast<uint32_t>(nodes.size());
+            parts.push_back(first);
             if (small[i].parent != kNoParent) nodes[small[i].parent].child[small[i].slot] = first;
             for (WideNode& node : subtrees[i]) {
                 for (uint32_t& child : node.child)
@@ -100,7 +70,7 @@ public:
                 nodes.push_back(node);
             }
         }
-        return {.width = width_, .nodes = std::move(nodes), .order = std::move(order_), .rest = std::vector<uint8_t>(root_.count, 0)};
+        return {{.width = width_, .nodes = std::move(nodes), .order = std::move(order_), .rest = std::vector<uint8_t>(root_.count, 0)}, std::move(parts)};
     }
 
 private:
@@ -295,10 +265,10 @@ private:
 
 }  // namespace
 
-WideTree build_top_tree(std::span<const Box> boxes, uint32_t width, uint32_t max_depth) {
+TopTree build_top_tree(std::span<const Box> boxes, uint32_t width, uint32_t max_depth) {
     PARHELION_CHECK((width == 2 || width == 4) && boxes.size() <= uint64_t(1) << std::min(32u, max_depth * (width == 2 ? 1 : 2)), "{} boxes do not fit into {} levels of {}", boxes.size(),
                     max_depth, width);
-    return TopTree(boxes, width, max_depth).build();
+    return Builder(boxes, width, max_depth).build();
 }
 
 }  // namespace parhelion::bvh

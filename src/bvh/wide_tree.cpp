@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/parallel.h"
 #include "bvh/binary_tree.h"
 #include "bvh/collapse.h"
 
@@ -15,13 +16,27 @@ Box box_of(const shared::BvhTriangle& t) {
     return box;
 }
 
-// References to the boxes that are not empty, with place for some more; returns their number.
+constexpr size_t kGrain = 1u << 15;
+
+// References to the boxes that are not empty; returns their number.
 template <class BoxOf>
 uint32_t make_references(Reference* to, size_t count, BoxOf&& box_of_item) {
-    uint32_t used = 0;
-    for (size_t i = 0; i < count; ++i)
-        if (const Box box = box_of_item(i); !box.empty()) to[used++] = {box.min, static_cast<uint32_t>(i), box.max, 0};
-    return used;
+    std::vector<size_t> ends((count + kGrain - 1) / kGrain);
+    parallel_for(ends.size(), 1, [&](size_t first, size_t last) {
+        for (size_t chunk = first; chunk < last; ++chunk) {
+            size_t end = chunk * kGrain;
+            for (size_t i = end; i < std::min(count, (chunk + 1) * kGrain); ++i)
+                if (const Box box = box_of_item(i); !box.empty()) to[end++] = {box.min, static_cast<uint32_t>(i), box.max, 0};
+            ends[chunk] = end;
+        }
+    });
+    size_t used = 0;
+    for (size_t chunk = 0; chunk < ends.size(); ++chunk) {
+        const size_t begin = chunk * kGrain, size = ends[chunk] - begin;
+        if (used < begin) std::copy_n(to + begin, size, to + used);
+        used += size;
+    }
+    return static_cast<uint32_t>(used);
 }
 
 template <class BoxOf>
@@ -37,8 +52,8 @@ WideTree build(size_t count, BoxOf&& box_of_item, std::span<const shared::BvhTri
 
 }  // namespace
 
-WideTree build_wide_tree(std::span<const Box> boxes, uint32_t width, uint32_t max_leaf, uint32_t max_depth) {
-    return build(boxes.size(), [&](size_t i) { return boxes[i]; }, {}, {.width = width, .max_leaf = max_leaf, .max_depth = max_depth});
+WideTree build_wide_tree(std::span<const Box> boxes, uint32_t width, uint32_t max_leaf, uint32_t max_depth, float cost_of_node) {
+    return build(boxes.size(), [&](size_t i) { return boxes[i]; }, {}, {.width = width, .max_leaf = max_leaf, .max_depth = max_depth, .node_cost = cost_of_node});
 }
 
 WideTree build_wide_tree(std::span<const shared::BvhTriangle> triangles, const BuildOptions& options) {

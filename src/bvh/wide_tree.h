@@ -39,15 +39,15 @@ struct WideTree {
 };
 
 // At most max_leaf (a power of two) boxes in a leaf and max_depth levels of nodes; needs boxes.size() <= max_leaf * width^max_depth.
-// Every box is in one leaf, empty ones in none.
-WideTree build_wide_tree(std::span<const Box> boxes, uint32_t width, uint32_t max_leaf, uint32_t max_depth);
+// Every box is in one leaf, empty ones in none. The cost as BuildOptions has it.
+WideTree build_wide_tree(std::span<const Box> boxes, uint32_t width, uint32_t max_leaf, uint32_t max_depth, float cost_of_node = 0.0f);
 
 struct BuildOptions {
     uint32_t width = 4;
     uint32_t max_leaf = shared::kBvhMaxLeaf;
     uint32_t max_depth = 0;
-    // References that spatial splits may add, as a share of the triangles. Where it is 0, every triangle is in one leaf, as a tree
-    // that is to be refitted needs it; else in one or several, whose boxes together contain it.
+    // References that spatial splits may add, as a share of the triangles. Where it is 0, every triangle is in one leaf; else in one or
+    // several, whose boxes together contain it.
     float growth = 0.0f;
     float node_cost = 0.0f;  // in triangle tests; larger: fewer nodes and larger leaves. 0: what suits the width
 };

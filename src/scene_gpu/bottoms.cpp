@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <functional>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "scene_gpu/state.h"
 
 namespace parhelion {
@@ -54,27 +56,57 @@ void SceneGpu::State::take_own_rows(Frame& frame, MeshOnDevice& mesh, uint64_t n
         throw Error(ErrorCode::Failed, "the scene has more than 2^31 triangles", "own BVH", "trace by pipeline or query");
 }
 
-// One tree at a time is on the host. Deformed forms have theirs from their mesh at rest (refit.cpp).
+// The next meshes' trees, as many as the slice has triangles for: a large one by all threads, then the others side by side, since one
+// of some thousand triangles is no work for many.
+std::vector<SceneGpu::State::OwnTree> SceneGpu::State::build_own_trees(Slice& slice) {
+    std::vector<OwnTree> trees;
+    uint64_t triangles = 0;
+    for (const Handle<Mesh> handle : wanted_meshes) {
+        const MeshOnDevice& mesh = meshes.at(handle);
+        if (mesh.own_ready || mesh.rest) continue;
+        if (!slice.has_triangles() || !slice.has_bytes()) break;
+        slice.take_triangles(mesh.triangle_count);
+        triangles += mesh.triangle_count;
+        trees.push_back({handle, mesh.triangle_count, std::make_unique<bvh::Bottoms>()});
+    }
+    const auto build = [&](const OwnTree& tree) {
+        tree.host->nodes.layout = layout;
+        bvh::add_bottom(*tree.host, bottom_geometries(scene->get(tree.mesh)));
+    };
+    std::vector<const OwnTree*> small;
+    for (const OwnTree& tree : trees) {
+        if (tree.triangles * hardware_threads() < triangles) small.push_back(&tree);
+        else build(tree);
+    }
+    std::ranges::stable_sort(small, std::greater(), &OwnTree::triangles);
+    parallel_for(small.size(), 1, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) build(*small[i]);
+    });
+    return trees;
+}
+
+// One slice's trees at a time are on the host. Deformed forms have theirs from their mesh at rest (refit.cpp).
 void SceneGpu::State::build_own_bottoms(Frame& frame, Slice& slice) {
     if (!options.own_bvh) return;
-    for (const Handle<Mesh> handle : wanted_meshes) {
-        MeshOnDevice& mesh = meshes.at(handle);
-        if (mesh.own_ready || mesh.rest) continue;
-        if (!mesh.own_host) {
-            if (!slice.has_triangles() || !slice.has_bytes()) return;
-            const auto start = std::chrono::steady_clock::now();
-            mesh.own_host = std::make_unique<bvh::Bottoms>();
-            mesh.own_host->nodes.layout = layout;
-            bvh::add_bottom(*mesh.own_host, bottom_geometries(scene->get(handle)));
-            stats.own_build_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-            slice.take_triangles(mesh.triangle_count);
-            take_own_rows(frame, mesh, mesh.own_host->nodes.size(), mesh.own_host->triangles.size());
-            mesh.own_root = mesh.own_host->nodes.read(mesh.own_host->roots.front());
+    for (;;) {
+        for (const Handle<Mesh> handle : wanted_meshes) {
+            MeshOnDevice& mesh = meshes.at(handle);
+            if (!mesh.own_host) continue;
+            const RowSource rows[] = {own_node_rows(mesh), own_triangle_rows(mesh)};
+            if (!upload_rows(frame, slice, rows, mesh.own_done_rows)) return;
+            mesh.own_host.reset();
+            mesh.own_ready = true;
         }
-        const RowSource rows[] = {own_node_rows(mesh), own_triangle_rows(mesh)};
-        if (!upload_rows(frame, slice, rows, mesh.own_done_rows)) return;
-        mesh.own_host.reset();
-        mesh.own_ready = true;
+        const auto start = std::chrono::steady_clock::now();
+        std::vector<OwnTree> trees = build_own_trees(slice);
+        stats.own_build_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        if (trees.empty()) return;
+        for (OwnTree& tree : trees) {
+            MeshOnDevice& mesh = meshes.at(tree.mesh);
+            take_own_rows(frame, mesh, tree.host->nodes.size(), tree.host->triangles.size());
+            mesh.own_root = bvh::RootBoxes(tree.host->nodes.read(tree.host->roots.front()));
+            mesh.own_host = std::move(tree.host);
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 // Where things stand: instance rows and the top levels, made anew whenever something moved. Top levels alternate between two
 // sets of storage, so that the previous frame's stays traceable.
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <functional>
 
@@ -173,20 +174,28 @@ void SceneGpu::State::place_own_top(std::span<const uint32_t> drawn, std::span<M
     for (const Handle<Mesh> handle : resident_meshes)
         stats.own_bottom_bytes += meshes.at(handle).plan.node_count * sizeof(shared::RefitNode) + meshes.at(handle).plan.triangle_count * sizeof(shared::RefitTriangle);
     const auto start = std::chrono::steady_clock::now();
-    std::vector<bvh::TopItem> items(drawn.size());
+    own_top.begin(drawn.size());
+    std::atomic<bool> plain = true;
     parallel_for(drawn.size(), kGrain, [&](size_t begin, size_t end) {
+        bool all_plain = true;
         for (size_t i = begin; i < end; ++i) {
             const MeshOnDevice& mesh = *drawn_mesh[i];
             const Instance& instance = scene->get(instance_handles[drawn[i]]);
-            items[i] = bvh::make_top_item(mesh.own_root, static_cast<uint32_t>(mesh.own_nodes), instance.place.world_from_object, drawn[i], instance.ray_mask, own_flags(*mesh.own_flags, instance.opacity));
+            const shared::Affine& inverse = instances[drawn[i]].object_from_world;
+            const uint32_t flags = own_flags(*mesh.own_flags, instance.opacity);
+            all_plain &= (flags & shared::kBvhOpaque) == shared::kBvhOpaque;
+            own_top.set(i, bvh::make_top_item(mesh.own_root, static_cast<uint32_t>(mesh.own_nodes), instance.place.world_from_object,
+                                              {glm::vec3(inverse.row0), glm::vec3(inverse.row1), glm::vec3(inverse.row2)}, drawn[i], instance.ray_mask, flags));
         }
+        if (!all_plain) plain = false;
     });
-    next.plain = std::ranges::all_of(items, [](const bvh::TopItem& item) { return (item.item.flags & shared::kBvhOpaque) == shared::kBvhOpaque; });
-    bvh::Top top = bvh::build_top(items, layout);
+    own_top.finish();
+    next.plain = plain;
     stats.own_top_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    stats.own_top_bytes = top.nodes.bytes() + top.items.size() * sizeof(shared::BvhTopItem);
-    next.nodes = make_table("top_nodes", std::move(top.nodes.words));
-    next.items = make_table("top_items", std::move(top.items));
+    stats.own_top_refits = own_top.refits();
+    stats.own_top_bytes = own_top.nodes().bytes() + own_top.items().size_bytes();
+    next.nodes = make_table("top_nodes", std::span<const uint32_t>(own_top.nodes().words));
+    next.items = make_table("top_items", own_top.items());
 }
 
 }  // namespace parhelion

@@ -78,11 +78,11 @@ void SceneGpu::State::place_emitters() {
     };
     for (uint32_t i = 0; i < instances.size(); ++i) {
         if (!instance_handles[i]) continue;
-        const Instance& instance = scene->get(instance_handles[i]);
-        const Mesh& mesh = scene->get(instance.drawn_mesh());
         for (uint32_t g = 0; g < instances[i].geometry_count; ++g) {
             const uint32_t geometry = instances[i].geometry_base + g;
             if (geometries[geometry].triangle_table == shared::kNone) continue;
+            const Instance& instance = scene->get(instance_handles[i]);
+            const Mesh& mesh = scene->get(instance.drawn_mesh());
             const EmissiveTable& table = *emissive_table_of_geometry.at(geometry);
             const shared::Material& material = materials[geometries[geometry].material];
             const double strength = table.shown.empty() ? luminance(material.emission) : max_component(material.emission);

@@ -110,7 +110,7 @@ void SceneGpu::State::refit_own_bottoms(Frame& frame, Slice& slice) {
         if (!plan.ready || !slice.has_triangles()) continue;
         take_own_rows(frame, mesh, plan.node_count, plan.triangle_count);
         add_job(work, mesh, plan);
-        mesh.own_root = node_around(scene->get(handle).bounds);
+        mesh.own_root = bvh::RootBoxes(node_around(scene->get(handle).bounds));
         mesh.own_ready = true;
         slice.take_triangles(mesh.triangle_count);
     }

@@ -13,7 +13,8 @@ SceneGpu::State::State(gpu::DevicePtr the_device, const SceneGpuOptions& the_opt
       bottom_nodes(device, "scene/bottom_nodes", bvh::node_bytes(layout)),
       bottom_triangles(device, "scene/bottom_triangles", sizeof(shared::BvhTriangle)),
       plan_nodes(device, "scene/refit_plan_nodes", sizeof(shared::RefitNode)),
-      plan_triangles(device, "scene/refit_plan_triangles", sizeof(shared::RefitTriangle)) {}
+      plan_triangles(device, "scene/refit_plan_triangles", sizeof(shared::RefitTriangle)),
+      own_top(layout) {}
 
 SceneGpu::SceneGpu(gpu::DevicePtr device, const SceneGpuOptions& options) : state_(std::make_unique<State>(std::move(device), options)) {}
 SceneGpu::~SceneGpu() = default;
@@ -86,6 +87,7 @@ void SceneGpu::State::begin_anew() {
     geometry_table = triangle_alias = {};
     emissive_parts.clear();
     instances.clear();
+    own_top = bvh::MovingTop(layout);
     instance_rows.clear();
     free_rows.clear();
     left_rows.clear();

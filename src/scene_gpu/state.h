@@ -13,6 +13,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "bvh/moving_top.h"
 #include "bvh/refit.h"
 #include "scene_gpu/ranges.h"
 #include "scene_gpu/scene_gpu.h"
@@ -64,7 +65,7 @@ struct MeshOnDevice {
 
     // Ours: its rows in the shared arrays. `own_host` is the tree on its way there.
     std::unique_ptr<bvh::Bottoms> own_host;
-    shared::BvhNode own_root{};
+    bvh::RootBoxes own_root;
     std::optional<uint32_t> own_flags;  // BvhTopItem's, as its materials have it
     uint64_t own_nodes = 0, own_node_count = 0, own_triangles = 0, own_triangle_count = 0, own_done_rows = 0;
     bool own_ready = false;
@@ -185,11 +186,13 @@ struct SceneGpu::State {
     std::vector<uint32_t> free_rows, left_rows;  // free now; left by this frame's edit, still seen by the previous top level
     gpu::Buffer instance_table, tlas_instances;
     uint32_t tlas_count = 0;
+    bvh::MovingTop own_top;  // stays as it is until its tables are up
     TopLevel next, now, before;
     // tables.cpp
     std::vector<RowSource> tables;
     uint64_t table_rows_done = 0;
     gpu::Buffer sampler_tables, bsdf_tables;
+    std::vector<gpu::SceneSet> sets;  // the one of `binding`, those of frames on their way, and free ones
     SceneBinding binding;
     SceneGpuStats stats;
 
@@ -206,6 +209,12 @@ struct SceneGpu::State {
     void upload_images(Frame& frame, Slice& slice);
     void upload_meshes(Frame& frame, Slice& slice);
     void build_own_bottoms(Frame& frame, Slice& slice);
+    struct OwnTree {
+        Handle<Mesh> mesh;
+        uint64_t triangles;
+        std::unique_ptr<bvh::Bottoms> host;
+    };
+    std::vector<OwnTree> build_own_trees(Slice& slice);
     void take_own_rows(Frame& frame, MeshOnDevice& mesh, uint64_t nodes, uint64_t triangles);
     void plan_refits(Frame& frame, Slice& slice);
     void refit_own_bottoms(Frame& frame, Slice& slice);
@@ -233,6 +242,7 @@ struct SceneGpu::State {
     // Step 3.
     void publish(Frame& frame);
     void write_header(Frame& frame);
+    gpu::SceneSet free_set(uint32_t textures);
     void forget_unwanted();
     void forget_meshes(const std::function<bool(const MeshOnDevice&)>& choose);
 

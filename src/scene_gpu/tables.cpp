@@ -53,7 +53,16 @@ void SceneGpu::State::publish(Frame& frame) {
     forget_unwanted();
 }
 
-// The header and set 0 are made anew: the previous frame's may still be in use.
+// A set that neither a frame on its way nor anybody else holds: drivers that make it as large as its layout allows take milliseconds.
+gpu::SceneSet SceneGpu::State::free_set(uint32_t textures) {
+    std::erase_if(sets, [&](const gpu::SceneSet& set) { return set.max_textures() != textures; });
+    for (const gpu::SceneSet& set : sets)
+        if (set.data().use_count() == 1) return set;
+    sets.emplace_back(device, "scene/set", textures);
+    return sets.back();
+}
+
+// The header and set 0 are written anew: the previous frame's may still be in use.
 void SceneGpu::State::write_header(Frame& frame) {
     const auto address = [](const gpu::Buffer& buffer) { return buffer ? buffer.address() : 0; };
     const TopLevel& past = before.tlas || before.nodes ? before : now;
@@ -85,7 +94,7 @@ void SceneGpu::State::write_header(Frame& frame) {
 
     const gpu::Buffer block(device, "scene/header", sizeof(header));
     frame.upload(block, 0, std::as_bytes(std::span(&header, 1)));
-    gpu::SceneSet set(device, "scene/set", std::max<uint32_t>(1, static_cast<uint32_t>(slots.size())));
+    gpu::SceneSet set = free_set(std::max<uint32_t>(1, static_cast<uint32_t>(slots.size())));
     set.set_header(block);
     for (uint32_t slot = 0; slot < slots.size(); ++slot) set.set_texture(slot, slots[slot].first, slots[slot].second);
     if (uses_hardware()) set.set_accel(now.tlas, past.tlas);

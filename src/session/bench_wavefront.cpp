@@ -17,8 +17,8 @@ std::vector<BenchCase> wavefront_bench_cases(const BenchCase& base, std::span<co
         for (const ConnectWhen connect : {ConnectWhen::EachBounce, ConnectWhen::Once})
             for (const WavefrontDispatch dispatch : {WavefrontDispatch::Indirect, WavefrontDispatch::Full})
                 for (const bool classes : {true, false}) {
-                    const WavefrontOptions by_default;
-                    const bool usual = connect == by_default.connect && dispatch == by_default.dispatch && classes == by_default.classes;
+                    const WavefrontOptions standard;
+                    const bool usual = connect == standard.connect && dispatch == standard.dispatch && classes == standard.classes;
                     if (way != full_way && !usual) continue;
                     BenchCase what = base;
                     what.way = way;

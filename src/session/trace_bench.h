@@ -56,8 +56,10 @@ TraceBenchReport run_trace_bench(const TraceBenchOptions& options, const gpu::De
 std::string trace_bench_table(const TraceBenchReport& report);
 nlohmann::ordered_json trace_bench_json(const TraceBenchReport& report);
 
-// At least this share of the rays must be answered alike by all ways, and by the outside tracer (Embree differed on up to 3 of 32,400
-// rays of an instanced room, which were not looked into). Two rays are always forgiven.
+// At least this share of the rays must be answered alike by all ways, and by the outside tracer. Two rays are always forgiven. Embree's
+// answers and ours were held against long double on 691,200 rays of an instanced room: 29 distances differed, all to the same triangle,
+// which the ray meets at less than 1.4 degrees, so that a rounding of the position counts 40 to 500 times (ours lay nearer in 23 of them;
+// both within 6e-7 across the triangle); one ray passes a silhouette's edge by less than a rounding and met it for us, not for Embree.
 constexpr double kTraceAgreement = 0.99999, kOutsideAgreement = 0.9995;
 // Throws Error naming scene, rays and tracer where that does not hold.
 void check_agreement(const TraceBenchReport& report);

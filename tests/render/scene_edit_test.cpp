@@ -180,4 +180,46 @@ TEST_F(SceneEdits, a_change_of_structure_keeps_the_previous_frame) {
     }
 }
 
+// Our top level keeps its tree while it serves (bvh/moving_top.h): in step, then all to where others were.
+TEST_F(SceneEdits, a_crowd_on_the_move_is_where_it_is_and_was_where_it_was) {
+    constexpr uint32_t kSide = 8, kCount = kSide * kSide;
+    SceneEdit edit;
+    Primitive box;
+    add_box(box, glm::vec3(-0.1f), glm::vec3(0.1f));
+    box.material = edit.add(builtin::lambert("grey", glm::vec3(0.5f)));
+    Mesh mesh{.name = "box"};
+    mesh.primitives.push_back(std::move(box));
+    const Handle<Mesh> box_mesh = edit.add(std::move(mesh));
+    // Where i stands: in a square of one every metre, which moves on; later mixed.
+    const auto stands = [](uint32_t i, uint32_t frame) {
+        const uint32_t slot = frame < 5 ? i : i * 37 % kCount;
+        return glm::vec3(float(slot % kSide) + 0.3f * float(frame), float(slot / kSide) + 0.2f * float(frame), 0.0f);
+    };
+    std::vector<Handle<Instance>> crowd;
+    for (uint32_t i = 0; i < kCount; ++i) crowd.push_back(edit.add(Instance{.mesh = box_mesh, .place = {.node_from_object = at(stands(i, 0))}}));
+    builtin::add_camera(edit, "front", {0.0f, 1.2f, 4.0f}, {0.0f, 0.7f, 0.0f}, 0.8f);
+    Scene scene;
+    const ChangeSet changes = scene.apply(std::move(edit));
+    for (Handle<Instance>& handle : crowd) handle = changes.resolve(handle);
+    Stage stage(std::move(scene));
+    trace_rays(stage, gpu::TraceWay::Compute, {{glm::vec3(0.0f), glm::vec3(1.0f)}});
+    for (uint32_t frame = 1; frame <= 8; ++frame) {
+        SceneEdit move;
+        for (uint32_t i = 0; i < kCount; ++i) move.set_transform(crowd[i], at(stands(i, frame)));
+        stage.step(std::move(move));
+        std::vector<TestRay> rays;
+        for (uint32_t i = 0; i < kCount; ++i)
+            for (const uint32_t when : {frame, frame - 1}) rays.push_back({stands(i, when) + glm::vec3(0.05f, 0.03f, 1.0f), {0.0f, 0.0f, -1.0f}});
+        for (const gpu::TraceWay way : kWays) {
+            if (!device()->caps().supports(way)) continue;
+            const std::vector<TestFound> found = trace_rays(stage, way, rays);
+            for (uint32_t i = 0; i < kCount; ++i) {
+                const TestFound &here = found[2 * i], &there = found[2 * i + 1];
+                ASSERT_TRUE(here.hit() && !here.visible_now && here.visible_before && !there.hit() && there.visible_now && !there.visible_before) << gpu::trace_way_name(way) << ", frame " << frame << ", " << i;
+            }
+            EXPECT_EQ(stage.scene_gpu.stats().own_top_refits, frame < 5 ? frame : frame - 5) << "no tree is made where the old one serves, one where all have mixed";
+        }
+    }
+}
+
 }  // namespace parhelion::testing

@@ -92,4 +92,22 @@ TEST_F(Torture, every_value_of_every_picture_is_finite_and_not_negative) {
     expect_sane(stage.picture({.view = {.width = 32, .height = 32, .max_bounces = 0xFFFFFFFFu}, .camera = inside, .sample_count = 32}));
 }
 
+TEST_F(Torture, the_wavefront_draws_the_same_finite_values) {
+    Stage stage(scene());
+    for (const gpu::TraceWay way : kWays) {
+        if (!device()->caps().supports(way)) continue;
+        Shot shot{.way = way, .view = {.width = 72, .height = 64, .aovs = {"path.*", "variance"}}, .sample_count = 2};
+        const image::FilmSums expected = stage.render(shot);
+        for (const ConnectWhen connect : {ConnectWhen::EachBounce, ConnectWhen::Once}) {
+            SCOPED_TRACE(fmt::format("{}, {}", gpu::trace_way_name(way), int(connect)));
+            shot.wavefront = WavefrontOptions{.connect = connect, .classes = connect == ConnectWhen::EachBounce};
+            const image::FilmSums found = stage.render(shot);
+            expect_sane(image::resolve_film(found));
+            if (device()->caps().type == gpu::DeviceType::Cpu) {
+                EXPECT_EQ(differing_words(found, expected), 0u);
+            }
+        }
+    }
+}
+
 }  // namespace parhelion::testing

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Seeded bugs: applies each row of bugs.tsv to a copy of the shaders, compiles those that read the file into a pack of its own
-# (PARHELION_SHADER_DIR) and expects the named tests to fail. Prints the killing test. A missing barrier is seeded by the tests
+# (PARHELION_SHADER_DIR) and expects the named tests to fail; or to a copy of a .cpp file, which is linked before the library that has
+# the right one. Prints the killing test. A missing barrier is seeded by the tests
 # themselves (each_barrier_left_out_draws_a_complaint), a wrong merge by a wrong film (merged_parts_are_the_whole_bit_for_bit).
 #     tests/seeded/run.sh BUILD_FOLDER [NAME...]       the build must be up to date; JOBS bugs run side by side (all cores),
 #                                                  LIMIT seconds each (600; more where others use the machine)
@@ -40,20 +41,34 @@ compile_pack() {
     if [ "$changed" -eq 0 ]; then ln -s "$build/shaders/$pack/$pack.pack" "$tree/$pack.pack"; else "$build/shader_pack" "$tree/manifest.tsv" "$tree/$pack.pack"; fi
 }
 
+# Makes $1/program: the test program $2 with $1/$3 in the place of the library's. The build's own commands, each on a line.
+link_program() {
+    local tree=$1 program=$2 file=$3 compile link
+    compile=$(ninja -C "$build" -t commands "tests/$program" | grep -F -e " -c $root/$file") && link=$(ninja -C "$build" -t commands "tests/$program" | tail -n 1) || return 1
+    compile=${compile/ -c "$root/$file"/ -c "$tree/$file"} link=${link/ -o "tests/$program" / "$tree/bug.o" -o "$tree/program" }
+    compile=$(sed -E "s# -MF [^ ]+# -MF $tree/bug.d#; s# -o [^ ]+# -o $tree/bug.o#" <<<"$compile")
+    (cd "$build" && eval "$compile" && eval "$link")
+}
+
 # A test that fails anyway kills nothing.
 passes_without_bugs() { LP_NUM_THREADS=0 timeout "$limit" "$build/tests/$1" --gtest_filter="$2" >"$work/control.$BASHPID" 2>&1; }
 
 # One row of the table.
 try_bug() {
     local name=$1 file=$2 from=$3 to=$4 program=$5 filter=$6 tree=$work/$1 out killer status
+    local binary=$build/tests/$program pack=()
     mkdir -p "$tree/src" "$tree/tests/device"
     cp -r "$root/tests/device/shaders" "$tree/tests/device/shaders"
     cp -r "$root/shaders" "$tree/shaders"
     cp -r "$root/src/passes" "$tree/src/passes"
     mkdir "$tree/src/scene_gpu" && cp "$root"/src/scene_gpu/*.comp "$tree/src/scene_gpu"
+    case $file in *.cpp) mkdir -p "$tree/$(dirname "$file")" && cp "$root/$file" "$tree/$file" ;; esac
     FROM=$from TO=$to perl -0pi -e 's/\Q$ENV{FROM}\E/$ENV{TO}/ or die "the text is not there\n"' "$tree/$file" || { echo "$name: does not apply to $file"; return; }
-    compile_pack "$tree" shaders "$file" && compile_pack "$tree" test_shaders "$file" || { echo "$name: does not compile"; return; }
-    out=$(PARHELION_SHADER_DIR=$tree LP_NUM_THREADS=0 timeout "$limit" "$build/tests/$program" --gtest_filter="$filter" --gtest_fail_fast 2>&1)
+    case $file in
+        *.cpp) link_program "$tree" "$program" "$file" && binary=$tree/program ;;
+        *) compile_pack "$tree" shaders "$file" && compile_pack "$tree" test_shaders "$file" && pack=(PARHELION_SHADER_DIR="$tree") ;;
+    esac || { echo "$name: does not compile"; return; }
+    out=$(env "${pack[@]}" LP_NUM_THREADS=0 timeout "$limit" "$binary" --gtest_filter="$filter" --gtest_fail_fast 2>&1)
     status=$?
     killer=$(grep -m1 -E '^\[  FAILED  \]' <<<"$out" | sed 's/^\[  FAILED  \] //; s/ (.*//; s/,.*//')
     if [ -n "$killer" ] && ! passes_without_bugs "$program" "$killer"; then echo "$name: NOT TRIED, $killer fails without it"

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "bvh/moving_top.h"
 #include "bvh/top_tree.h"
 #include "scene/builtin/scenes.h"
 #include "scene/shapes.h"
@@ -54,23 +55,38 @@ TEST_F(TopLevelSpeed, the_tree_alone) {
     const bvh::testing::TestGeometry sphere = bvh::testing::make_icosphere(2, 1.0f);
     const bvh::BottomGeometry geometry{sphere.positions, sphere.triangles};
     bvh::add_bottom(bottoms, {&geometry, 1});
+    const bvh::RootBoxes root(bottoms.nodes.read(bottoms.roots.front()));
     const uint32_t count = instance_count();
     std::vector<bvh::TopItem> items(count);
     std::vector<bvh::Box> boxes(count);
-    std::vector<double> item_times, full_times, fast_times, top_times;
+    std::vector<double> item_times, full_times, fast_times, top_times, kept_times[3];
+    uint32_t rebuilds = 0;
+    std::vector<bvh::MovingTop> kept(std::begin(bvh::kLayouts), std::end(bvh::kLayouts));
     for (uint32_t frame = 0; frame < kFrames; ++frame) {
         std::vector<glm::mat4> places;
-        for (uint32_t i = 0; i < count; ++i) places.push_back(place(i, frame));
+        std::vector<glm::mat3> inverses;  // rows as columns
+        for (uint32_t i = 0; i < count; ++i) places.push_back(place(i, frame)), inverses.push_back(glm::transpose(glm::inverse(glm::mat3(places.back()))));
         item_times.push_back(milliseconds([&] {
-            for (uint32_t i = 0; i < count; ++i) items[i] = bvh::make_top_item(bottoms, 0, places[i], i);
+            for (uint32_t i = 0; i < count; ++i) items[i] = bvh::make_top_item(root, 0, places[i], {inverses[i][0], inverses[i][1], inverses[i][2]}, i, 0xFFu, 0);
         }));
         for (uint32_t i = 0; i < count; ++i) boxes[i] = items[i].box_ws;
         full_times.push_back(milliseconds([&] { bvh::build_wide_tree(boxes, 4, 1, 12); }));
         fast_times.push_back(milliseconds([&] { bvh::build_top_tree(boxes, 4, 12); }));
         top_times.push_back(milliseconds([&] { bvh::build_top(items, bvh::Layout::Four); }));
+        for (size_t k = 0; k < kept.size(); ++k) {
+            const double time = milliseconds([&] {
+                kept[k].begin(count);
+                for (uint32_t i = 0; i < count; ++i) kept[k].set(i, items[i]);
+                kept[k].finish();
+            });
+            if (kept[k].refits() > 0) kept_times[k].push_back(time);
+            else if (k == 0) ++rebuilds;
+        }
     }
-    std::printf("%s\n", fmt::format("{} instances, median (best) of {}: items {} on one thread; tree {}, as for triangles {}; tree and nodes {}", count, kFrames, times(item_times), times(fast_times),
-                                    times(full_times), times(top_times)).c_str());
+    std::string text = fmt::format("{} instances, median (best) of {}: items {} on one thread; tree {}, as for triangles {}; tree and nodes {}; kept, {} built", count, kFrames, times(item_times),
+                                   times(fast_times), times(full_times), times(top_times), rebuilds);
+    for (size_t k = 0; k < kept.size(); ++k) text += fmt::format(", {} {}", bvh::layout_name(bvh::kLayouts[k]), times(kept_times[k]));
+    std::printf("%s\n", text.c_str());
 }
 
 TEST_F(TopLevelSpeed, of_a_scene_that_moves) {
@@ -99,11 +115,12 @@ TEST_F(TopLevelSpeed, of_a_scene_that_moves) {
         std::unique_ptr<SceneGpu> scene_gpu;
         std::unique_ptr<Frame> frame;
         std::vector<double> update, run, build;
+        uint32_t rebuilds = 0;  // frames in which ours got a new tree
     };
     std::vector<Way> ways;
     for (const bool own : {true, false}) {
         if (!own && !hardware) continue;
-        ways.push_back({own ? "ours" : "the driver's", std::make_unique<SceneGpu>(plain, SceneGpuOptions{.hardware = !own, .own_bvh = own}), std::make_unique<Frame>(plain), {}, {}, {}});
+        ways.push_back({own ? "ours" : "the driver's", std::make_unique<SceneGpu>(plain, SceneGpuOptions{.hardware = !own, .own_bvh = own}), std::make_unique<Frame>(plain), {}, {}, {}, 0});
         ways.back().scene_gpu->sync(scene);
         ways.back().scene_gpu->finish(*ways.back().frame);
         ways.back().frame->run();
@@ -127,10 +144,12 @@ TEST_F(TopLevelSpeed, of_a_scene_that_moves) {
             for (const PassInfo& pass : way.frame->passes())
                 if (pass.name == "build/top") build = pass.gpu_ms;
             way.build.push_back(build);
+            way.rebuilds += way.scene_gpu->stats().own_top_refits == 0;
         }
     }
     std::string text = fmt::format("{} moving instances on {}, median (best) of {}: edit {}", instance_count(), plain->caps().name, kFrames, times(edits));
-    for (const Way& way : ways) text += fmt::format("\n  {}: top level {}, update() {}, frame {}", way.name, times(way.build), times(way.update), times(way.run));
+    for (const Way& way : ways)
+        text += fmt::format("\n  {}: top level {}{}, update() {}, frame {}", way.name, times(way.build), way.scene_gpu->stats().own_top_bytes > 0 ? fmt::format(", {} new trees", way.rebuilds) : "", times(way.update), times(way.run));
     std::printf("%s\n", text.c_str());
 }
 

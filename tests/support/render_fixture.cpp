@@ -26,19 +26,39 @@ View Stage::make_view(const Shot& shot) const {
     return {frame.device(), desc};
 }
 
+// A slice by the wavefront, in frames of equal length.
+void Stage::draw(Wavefront& machine, const Shot& shot, View& view, const shared::Slice& slice) {
+    machine.start(slice);
+    do {
+        machine.record(frame, scene_gpu, shot.way, view);
+        frame.run();
+    } while (!machine.advance(1.0, 1.0));
+}
+
 image::FilmSums Stage::render(const Shot& shot) {
     View view = make_view(shot);
+    std::optional<Wavefront> machine;
+    if (shot.wavefront) machine.emplace(frame.device(), *shot.wavefront).rounds_per_frame = shot.rounds;
     scene_gpu.finish(frame);
     const uint32_t end = shot.first_sample + shot.sample_count, height = shot.view.height;
     for (uint32_t sample = shot.first_sample; sample < end;) {
         const uint32_t block_end = (sample / shared::kSamplesPerBlock + 1) * shared::kSamplesPerBlock;
         const uint32_t count = std::min({shot.slice_samples, end - sample, block_end - sample});
         for (uint32_t row = 0; row < height; row += std::min(shot.slice_rows, height - row)) {
-            record_reference(frame, scene_gpu, shot.way, view, {row, std::min(shot.slice_rows, height - row), sample, count}, sample + count == end);
+            const shared::Slice slice{row, std::min(shot.slice_rows, height - row), sample, count};
+            const bool ends_range = sample + count == end;
+            if (machine) {
+                draw(*machine, shot, view, slice);
+                end_slice(frame, view, slice, ends_range);
+            } else {
+                record_reference(frame, scene_gpu, shot.way, view, slice, ends_range);
+            }
             frame.run();
         }
         sample += count;
     }
+    rays = view.read_rays(frame);
+    wavefront = machine ? machine->stats() : WavefrontStats{};
     return make_film_sums(view.read_film(frame), {shot.view.width, shot.view.height}, {shot.first_sample, end}, {});
 }
 
@@ -49,7 +69,15 @@ void Stage::record(const Shot& shot) {
         frame.run();
         listings_before += frame.listing() + "\n";
     }
-    record_reference(frame, scene_gpu, shot.way, view, {0, shot.view.height, shot.first_sample, shot.sample_count}, true);
+    const shared::Slice slice{0, shot.view.height, shot.first_sample, shot.sample_count};
+    std::optional<Wavefront> machine;
+    if (shot.wavefront) {
+        machine.emplace(frame.device(), *shot.wavefront).rounds_per_frame = shot.rounds;
+        machine->start(slice);
+        machine->record(frame, scene_gpu, shot.way, view);
+    } else {
+        record_reference(frame, scene_gpu, shot.way, view, slice, true);
+    }
     gpu::CommandList commands(frame.device());
     frame.retire(frame.record(commands));
 }
@@ -66,7 +94,7 @@ Stage& builtin_stage(const std::string& name, const BuiltinOptions& options) {
     shared_device();  // outlives the stages
     static std::map<std::string, std::unique_ptr<Stage>> stages;
     const auto text = [](glm::vec3 v) { return fmt::format("{} {} {}", v.x, v.y, v.z); };
-    std::unique_ptr<Stage>& stage = stages[fmt::format("{} {} {} {} {}", name, text(options.albedo), text(options.emission), options.roughness, options.metallic)];
+    std::unique_ptr<Stage>& stage = stages[fmt::format("{} {} {} {} {} {}", name, text(options.albedo), text(options.emission), options.roughness, options.metallic, options.triangles)];
     if (!stage) stage = std::make_unique<Stage>(make_builtin(name, options).scene);
     return *stage;
 }
@@ -79,7 +107,7 @@ const image::FilmSums& builtin_film(const std::string& name, const Shot& shot, c
                                   int(v.filter), v.roulette_start, v.light_sampling, shot.first_sample, shot.sample_count, shot.slice_rows, shot.slice_samples, v.aovs.size());
     key += fmt::format(" {} {} {} {} {} {}", int(v.texture_lod), int(v.shade_in), v.energy_compensation, v.normal_correction, int(v.spawn_offset), v.firefly_clamp);
     for (const std::string& aov : v.aovs) key += ' ' + aov;
-    if (shot.camera || shot.camera_at_close) return films[key] = stage.render(shot);
+    if (shot.camera || shot.camera_at_close || shot.wavefront) return films[key + " drawn anew"] = stage.render(shot);
     const auto found = films.find(key);
     return found != films.end() ? found->second : films[key] = stage.render(shot);
 }
@@ -153,6 +181,19 @@ double share_equal(const image::ImageF& a, const image::ImageF& b) {
         equal += all;
     }
     return static_cast<double>(equal) / static_cast<double>(a.pixel_count());
+}
+
+size_t differing_words(const image::FilmSums& a, const image::FilmSums& b) {
+    const auto differing = [](const std::vector<uint32_t>& x, const std::vector<uint32_t>& y) {
+        EXPECT_EQ(x.size(), y.size());
+        size_t count = 0;
+        for (size_t i = 0; i < std::min(x.size(), y.size()); ++i) count += x[i] != y[i];
+        return count;
+    };
+    EXPECT_EQ(a.exact.size(), b.exact.size());
+    size_t count = differing(a.limbs, b.limbs);
+    for (size_t i = 0; i < std::min(a.exact.size(), b.exact.size()); ++i) count += differing(a.exact[i].words, b.exact[i].words);
+    return count;
 }
 
 double share_bit_equal(const image::ImageF& a, const image::ImageF& b) {

@@ -9,6 +9,7 @@
 
 #include "image/film.h"
 #include "renderers/reference.h"
+#include "renderers/wavefront.h"
 #include "scene/builtin.h"
 #include "scene/camera.h"
 #include "support/gpu_fixture.h"
@@ -24,6 +25,8 @@ struct Shot {
     std::optional<CameraView> camera_at_close = {}; // where it stands when its shutter closes; none: it is still
     uint32_t first_sample = 0, sample_count = 64;
     uint32_t slice_rows = 1u << 20, slice_samples = 64;
+    std::optional<WavefrontOptions> wavefront = {};  // what draws; none: the reference
+    uint32_t rounds = 8;                             // of the wavefront, recorded in a frame
 };
 
 // A scene with its device side in all three ways, and the Frame that draws it.
@@ -34,8 +37,8 @@ public:
     // Draws the shot in slices and reads its exact sums.
     image::FilmSums render(const Shot& shot);
     image::ImageF picture(const Shot& shot) { return image::resolve_film(render(shot)); }
-    // Records the shot's first slice with everything before it (scene, film), unsubmitted; slices of the scene that must be done before
-    // are submitted.
+    // Records the shot's first slice with everything before it (scene, film), of a wavefront its first frame, unsubmitted; slices of the
+    // scene that must be done before are submitted.
     void record(const Shot& shot);
 
     // A new frame with this edit, told to the device side in one go, as a viewer does.
@@ -43,6 +46,9 @@ public:
 
     // The listings of the frames that the last record() submitted.
     std::string listings_before;
+    // Of the last render().
+    RayCounts rays;
+    WavefrontStats wavefront;
 
     Scene scene;
     Frame frame;
@@ -50,6 +56,7 @@ public:
 
 private:
     View make_view(const Shot& shot) const;
+    void draw(Wavefront& machine, const Shot& shot, View& view, const shared::Slice& slice);
 };
 
 // Of the whole process.
@@ -75,6 +82,8 @@ void expect_sane(const image::ImageF& picture, bool is_signed = false);
 double mean_rgb(const image::ImageF& picture);
 // Share of pixels whose R, G and B all satisfy |a - b| <= 1e-4 max(a, b) + 1e-4 mean.
 double share_equal(const image::ImageF& a, const image::ImageF& b);
+// Words of the sums and first hits of two films of one size that are not the same bits.
+size_t differing_words(const image::FilmSums& a, const image::FilmSums& b);
 // Share of pixels with equal bits in every channel.
 double share_bit_equal(const image::ImageF& a, const image::ImageF& b);
 

@@ -103,7 +103,7 @@ bool covered(const glm::vec3 (&p)[3], const std::vector<Box>& boxes, Random& ran
 }
 
 // Coverage, containment, leaf sizes, depth and number of references of one mesh.
-void check_bottom(const Bottoms& bottoms, uint32_t mesh, const TestMesh& source, MeshClass mesh_class) {
+void check_bottom(const Bottoms& bottoms, uint32_t mesh, const TestMesh& source) {
     std::map<std::pair<uint32_t, uint32_t>, std::vector<Box>> seen;
     std::set<uint32_t> nodes_seen{bottoms.roots.at(mesh)};
     size_t references = 0, usable_triangles = 0;
@@ -137,7 +137,6 @@ void check_bottom(const Bottoms& bottoms, uint32_t mesh, const TestMesh& source,
             ++usable_triangles;
             const glm::vec3 p[3] = {source[g].positions[index.x], source[g].positions[index.y], source[g].positions[index.z]};
             if (at->second.size() > 1) {
-                ASSERT_EQ(mesh_class, MeshClass::Static);
                 ASSERT_TRUE(covered(p, at->second, random)) << "triangle " << t << " of geometry " << g << " in " << at->second.size() << " leaves";
                 continue;
             }
@@ -148,10 +147,10 @@ void check_bottom(const Bottoms& bottoms, uint32_t mesh, const TestMesh& source,
     EXPECT_LE(double(references), 1.3 * double(usable_triangles));
 }
 
-uint32_t add(Bottoms& bottoms, const TestMesh& mesh, MeshClass mesh_class = MeshClass::Static) {
+uint32_t add(Bottoms& bottoms, const TestMesh& mesh) {
     std::vector<BottomGeometry> geometries;
     for (const TestGeometry& geometry : mesh) geometries.push_back({geometry.positions, geometry.triangles});
-    return add_bottom(bottoms, geometries, mesh_class);
+    return add_bottom(bottoms, geometries);
 }
 
 template <class T>
@@ -159,18 +158,18 @@ bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
     return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
-TEST_P(BvhBuild, every_triangle_of_a_deforming_mesh_is_in_one_leaf_and_boxes_contain_what_is_below) {
+TEST_P(BvhBuild, every_triangle_is_in_some_leaf_and_boxes_contain_what_is_below) {
     Random random(1);
     Bottoms bottoms{.nodes = {.layout = GetParam(), .words = {}}, .triangles = {}, .roots = {}};
     std::vector<TestMesh> meshes;
     for (const uint32_t count : {0u, 1u, 2u, 3u, 4u, 5u, 6u, 17u, 100u, 1000u, 20000u, 40000u})
         meshes.push_back({make_soup(random, count / 3, 10.0f, 1.0f), {}, make_soup(random, count - count / 3, 3.0f, 0.2f)});
     meshes.push_back({make_icosphere(5, 2.0f)});
-    for (const TestMesh& mesh : meshes) add(bottoms, mesh, MeshClass::Deforming);
+    for (const TestMesh& mesh : meshes) add(bottoms, mesh);
     ASSERT_EQ(bottoms.roots.size(), meshes.size());
     for (uint32_t m = 0; m < meshes.size(); ++m) {
         SCOPED_TRACE(m);
-        check_bottom(bottoms, m, meshes[m], MeshClass::Deforming);
+        check_bottom(bottoms, m, meshes[m]);
     }
     const double triangle_bytes = double(bottoms.nodes.bytes()) / double(bottoms.triangles.size()) + double(sizeof(shared::BvhTriangle));
     EXPECT_LE(triangle_bytes, GetParam() == Layout::Compact ? 64.0 : 96.0);
@@ -191,7 +190,7 @@ TEST_P(BvhBuild, the_parts_of_a_static_mesh_cover_every_triangle) {
     for (uint32_t m = 0; m < meshes.size(); ++m) {
         SCOPED_TRACE(m);
         add(bottoms, meshes[m]);
-        check_bottom(bottoms, m, meshes[m], MeshClass::Static);
+        check_bottom(bottoms, m, meshes[m]);
         triangles += meshes[m][0].triangles.size();
     }
     const double expected = GetParam() == Layout::Compact ? 0.99 : 1.05;
@@ -218,16 +217,43 @@ TEST_P(BvhBuild, degenerate_meshes_still_make_proper_trees) {
     wild.add({0, 0, 0}, {1, 0, -3e38f}, {0, 1, 0});
     for (glm::vec3& p : far.positions) p += glm::vec3(1e6f, -1e6f, 1e6f);
     for (TestGeometry* g : {&same, &point, &line, &shared_center, &wild, &huge, &far}) meshes.push_back({*g});
-    for (const MeshClass mesh_class : {MeshClass::Static, MeshClass::Deforming}) {
-        Bottoms bottoms{.nodes = {.layout = GetParam(), .words = {}}, .triangles = {}, .roots = {}};
-        for (const TestMesh& mesh : meshes) add(bottoms, mesh, mesh_class);
-        for (uint32_t m = 0; m < meshes.size(); ++m) {
-            SCOPED_TRACE(m);
-            check_bottom(bottoms, m, meshes[m], mesh_class);
-        }
-        TestGeometry broken{{{0, 0, 0}}, {{0, 0, 1}}};
-        EXPECT_THROW(add(bottoms, {broken}), std::exception);
+    Bottoms bottoms{.nodes = {.layout = GetParam(), .words = {}}, .triangles = {}, .roots = {}};
+    for (const TestMesh& mesh : meshes) add(bottoms, mesh);
+    for (uint32_t m = 0; m < meshes.size(); ++m) {
+        SCOPED_TRACE(m);
+        check_bottom(bottoms, m, meshes[m]);
     }
+    TestGeometry broken{{{0, 0, 0}}, {{0, 0, 1}}};
+    EXPECT_THROW(add(bottoms, {broken}), std::exception);
+}
+
+// What the plan of a refit is made from.
+TEST(BvhTree, every_box_is_in_one_leaf_and_boxes_contain_what_is_below) {
+    Random random(9);
+    for (const size_t count : {0u, 1u, 2u, 3u, 4u, 5u, 6u, 17u, 100u, 1000u, 60000u})
+        for (const uint32_t width : {2u, 4u}) {
+            std::vector<Box> boxes(count);
+            for (size_t i = 0; i < count; ++i) {
+                if (i % 7 == 3) continue;  // stays empty
+                boxes[i].add(i % 5 == 0 ? glm::vec3(1.0f) : random.in_cube(10.0f));
+                if (i % 3 != 0) boxes[i].add(boxes[i].min + random.unit() * (random.in_cube(1.0f) + 1.0f));
+            }
+            const WideTree tree = build_wide_tree(boxes, width, 4, 72 / width);
+            std::vector<int> seen(count);
+            walk(tree, [&](const Box& box, uint32_t child, uint32_t) {
+                if ((child & kBvhLeaf) == 0) {
+                    for (uint32_t c = 0; c < width; ++c) ASSERT_TRUE(tree.nodes[child].child[c] == kBvhEmpty || contains(box, tree.nodes[child].box[c]));
+                    return;
+                }
+                for (uint32_t i = child & kBvhItemMask, rest = 1, size = 1; rest != 0; ++i, ++size) {
+                    rest = tree.rest.at(i);
+                    ASSERT_LE(size, 4u);
+                    ++seen[tree.order.at(i)];
+                    ASSERT_TRUE(contains(box, boxes[tree.order[i]]));
+                }
+            });
+            for (size_t i = 0; i < count; ++i) ASSERT_EQ(seen[i], boxes[i].empty() ? 0 : 1) << "box " << i << " of " << count;
+        }
 }
 
 // Boxes that halve in size towards the origin make the surface area heuristic cut off one a level.

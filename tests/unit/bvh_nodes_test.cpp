@@ -53,6 +53,10 @@ TEST(BvhNodes, quantised_boxes_contain_the_given_ones_to_the_last_bit) {
             }
         }
         const shared::QuantisedAxis axis = shared::quantise_axis(low, high, child);
+        for (int c = 0; c < 4; ++c)
+            if (child[c] == kBvhEmpty) low[c] = 3e38f, high[c] = -3e38f;
+        const shared::QuantisedAxis on_host = quantise_axis(low, high);
+        ASSERT_TRUE(on_host.origin == axis.origin && on_host.scale == axis.scale && on_host.low == axis.low && on_host.high == axis.high) << i;
         ASSERT_EQ(std::bit_cast<uint32_t>(axis.scale) & 0xFFu, 0u) << "a product with 8 bits would be rounded";
         ASSERT_GT(axis.scale, 0.0f);
         for (int c = 0; c < 4; ++c) {

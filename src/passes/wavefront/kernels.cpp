@@ -27,7 +27,7 @@ struct ConnectPush {
     uint64_t view, control, shadow_list, shadow_rays, vertices, splits, rays;
 };
 struct FinalizePush {
-    uint64_t view, block, control, slots, vertices, splits, finished;
+    uint64_t view, block, control, slots, vertices, splits, class_sums, finished;
     uint32_t round_length;
 };
 
@@ -153,6 +153,7 @@ void finalize(const WavefrontPass& pass) {
         .read_write("slots", state.slots)
         .read_write("vertices", state.vertices)
         .read_write("splits", state.splits)
+        .read_write("class_sums", state.class_sums)
         .read_write("finished", state.finished)
         .push(FinalizePush{.round_length = state.shape.round_length})
         .over(state.shape.slots);

@@ -11,7 +11,7 @@ namespace {
 uint32_t list_places(const WavefrontShape& shape) { return shape.classes ? 4 : 1; }
 
 struct BeginPush {
-    uint64_t control, status, slots, vertices;
+    uint64_t control, status, slots, vertices, class_sums;
     uint32_t round_length;
 };
 struct PreparePush {
@@ -29,7 +29,7 @@ uint64_t state_bytes(const WavefrontShape& shape) {
     return sizeof(shared::WavefrontRay) + sizeof(shared::WavefrontHit) + sizeof(shared::WavefrontPath) + sizeof(shared::WavefrontSlot) +
            (shape.extra ? sizeof(shared::WavefrontExtra) : 0) + (1 + list_places(shape)) * sizeof(uint32_t) +
            round * (sizeof(shared::WavefrontVertex) + sizeof(shared::WavefrontShadowRay) + sizeof(uint32_t)) +
-           (shape.split ? (round + 1) * sizeof(shared::WavefrontSplit) : 0);
+           (shape.split ? (round + 1) * sizeof(shared::WavefrontSplit) + sizeof(shared::WavefrontClassSums) : 0);
 }
 
 WavefrontState make_wavefront_state(const gpu::DevicePtr& device, const WavefrontShape& shape, uint64_t pixels) {
@@ -51,6 +51,7 @@ WavefrontState make_wavefront_state(const gpu::DevicePtr& device, const Wavefron
             .shadow_rays = buffer("shadow_rays", vertices, sizeof(shared::WavefrontShadowRay)),
             .shadow_list = buffer("shadow_list", vertices, sizeof(uint32_t)),
             .splits = buffer("splits", shape.split ? vertices + slots : 0, sizeof(shared::WavefrontSplit)),
+            .class_sums = buffer("class_sums", shape.split ? slots : 0, sizeof(shared::WavefrontClassSums)),
             .finished = buffer("finished", pixels, sizeof(uint32_t))};
 }
 
@@ -61,6 +62,7 @@ void begin_wavefront(Frame& frame, const WavefrontState& state) {
         .read_write("status", state.status)
         .read_write("slots", state.slots)
         .read_write("vertices", state.vertices)
+        .read_write("class_sums", state.class_sums)
         .push(BeginPush{.round_length = state.shape.round_length})
         .over(state.shape.slots);
 }

@@ -11,6 +11,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Status { uin
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Finished { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Vertices { WavefrontVertex v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Splits { WavefrontSplit v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer ClassSums { WavefrontClassSums v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Control { WavefrontControl v; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ViewBlock { ViewData data; };
 #endif

@@ -17,7 +17,7 @@ struct WavefrontShape {
     bool operator==(const WavefrontShape&) const = default;
 };
 
-// Device memory of a machine, at most 200 bytes a slot with a round of one vertex (state_bytes), and 48 more twice where light is split.
+// Device memory of a machine, at most 200 bytes a slot with a round of one vertex (state_bytes), and 168 more where light is split.
 struct WavefrontState {
     WavefrontShape shape;
     gpu::Buffer control;  // shared::WavefrontControl
@@ -25,8 +25,9 @@ struct WavefrontState {
     gpu::Buffer lists;    // uint[places][slots]
     gpu::Buffer status, rays, hits, paths, extras, slots;  // [slots]
     gpu::Buffer vertices, shadow_rays, shadow_list; // [round_length][slots]
-    gpu::Buffer splits;   // [round_length + 1][slots]
-    gpu::Buffer finished; // uint[pixels of the film]: samples of the slice that are in it
+    gpu::Buffer splits;      // [round_length + 1][slots]
+    gpu::Buffer class_sums;  // [slots]
+    gpu::Buffer finished;    // uint[pixels of the film]: samples of the slice that are in it
 };
 WavefrontState make_wavefront_state(const gpu::DevicePtr& device, const WavefrontShape& shape, uint64_t pixels);
 uint64_t state_bytes(const WavefrontShape& shape);  // of one slot

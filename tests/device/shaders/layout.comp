@@ -30,6 +30,17 @@ layout(set = 1, binding = 0, scalar) buffer AllStructs {
     BvhTopItem bvh_top_item[2];
     TraversalRay traversal_ray[2];
     TraversalHit traversal_hit[2];
+    WavefrontRay wavefront_ray[2];
+    WavefrontHit wavefront_hit[2];
+    WavefrontPath wavefront_path[2];
+    WavefrontExtra wavefront_extra[2];
+    WavefrontSlot wavefront_slot[2];
+    WavefrontVertex wavefront_vertex[2];
+    WavefrontShadowRay wavefront_shadow_ray[2];
+    WavefrontSplit wavefront_split[2];
+    WavefrontClassSums wavefront_class_sums[2];
+    WavefrontControl wavefront_control[2];
+    WavefrontSize wavefront_size[2];
 } all_structs;
 
 // Copying struct by struct: the block has its own layout, a local variable none.
@@ -63,5 +74,15 @@ void main() {
         all_structs.bvh_top_item[i] = value.bvh_top_item[i];
         all_structs.traversal_ray[i] = value.traversal_ray[i];
         all_structs.traversal_hit[i] = value.traversal_hit[i];
+        all_structs.wavefront_ray[i] = value.wavefront_ray[i];
+        all_structs.wavefront_hit[i] = value.wavefront_hit[i];
+        all_structs.wavefront_path[i] = value.wavefront_path[i];
+        all_structs.wavefront_extra[i] = value.wavefront_extra[i];
+        all_structs.wavefront_slot[i] = value.wavefront_slot[i];
+        all_structs.wavefront_vertex[i] = value.wavefront_vertex[i];
+        all_structs.wavefront_shadow_ray[i] = value.wavefront_shadow_ray[i];
+        all_structs.wavefront_split[i] = value.wavefront_split[i];
+        all_structs.wavefront_class_sums[i] = value.wavefront_class_sums[i];
+        all_structs.wavefront_size[i] = value.wavefront_size[i];
     }
 }

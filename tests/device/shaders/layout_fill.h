@@ -7,6 +7,7 @@
 #include "shared/reference.h"
 #include "shared/scene.h"
 #include "shared/view.h"
+#include "shared/wavefront.h"
 SHARED_BEGIN
 
 struct LayoutStructs {
@@ -35,6 +36,17 @@ struct LayoutStructs {
     BvhTopItem bvh_top_item[2];
     TraversalRay traversal_ray[2];
     TraversalHit traversal_hit[2];
+    WavefrontRay wavefront_ray[2];
+    WavefrontHit wavefront_hit[2];
+    WavefrontPath wavefront_path[2];
+    WavefrontExtra wavefront_extra[2];
+    WavefrontSlot wavefront_slot[2];
+    WavefrontVertex wavefront_vertex[2];
+    WavefrontShadowRay wavefront_shadow_ray[2];
+    WavefrontSplit wavefront_split[2];
+    WavefrontClassSums wavefront_class_sums[2];
+    WavefrontControl wavefront_control[2];  // stays zero: its hundreds of counters would take minutes to compile; its members' places are reflected
+    WavefrontSize wavefront_size[2];
 };
 
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(uint) v) { v = n++; }
@@ -95,12 +107,23 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhTopItem) v) { F(row0) 
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhAddresses) v) { F(top_nodes) F(top_items) F(bottom_nodes) F(bottom_triangles) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(TraversalRay) v) { F(origin_ws) F(t_min) F(direction_ws) F(t_max) F(mask) F(alpha_key) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(TraversalHit) v) { F(instance) F(geometry) F(primitive) F(barycentrics) F(t) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontRay) v) { F(origin_ws) F(alpha_key) F(direction_ws) F(bits) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontHit) v) { F(instance_bits) F(geometry) F(primitive) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontPath) v) { F(throughput) F(pdf) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontExtra) v) { F(media) F(travelled) F(radiance_scale) F(cone_width) F(cone_spread) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontSlot) v) { F(radiance) F(pixel) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontVertex) v) { F(arriving) F(bits) F(sampled) F(pixel) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontShadowRay) v) { F(origin_ws) F(t_max) F(direction_ws) F(alpha_key) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontSplit) v) { F(diffuse_share) F(diffuse) F(specular) F(transmission) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontClassSums) v) { F(emission) F(direct_diffuse) F(direct_specular) F(indirect_diffuse) F(indirect_specular) F(transmission) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontSize) v) { F(x) F(y) F(z) }
 
 // Entry i of every array.
 SHARED_FN void fill_entry(SHARED_INOUT(uint) n, SHARED_INOUT(LayoutStructs) v, uint i) {
     F(scene_header[i]) F(geometry[i]) F(bvh_addresses[i]) F(affine[i]) F(instance[i]) F(vertex_attributes[i]) F(texture_entry[i]) F(texture_ref[i]) F(material[i]) F(emitter[i])
     F(alias_entry[i]) F(environment[i]) F(hit[i]) F(camera[i]) F(camera_motion[i]) F(view_data[i]) F(slice[i]) F(dumped_ray[i]) F(bvh_node[i]) F(bvh_node_binary[i]) F(bvh_node_compact[i]) F(bvh_triangle[i]) F(bvh_top_item[i])
     F(traversal_ray[i]) F(traversal_hit[i])
+    F(wavefront_ray[i]) F(wavefront_hit[i]) F(wavefront_path[i]) F(wavefront_extra[i]) F(wavefront_slot[i]) F(wavefront_vertex[i]) F(wavefront_shadow_ray[i]) F(wavefront_split[i]) F(wavefront_class_sums[i]) F(wavefront_size[i])
 }
 #undef F
 
