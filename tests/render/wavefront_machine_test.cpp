@@ -167,7 +167,7 @@ TEST_F(WavefrontMachine, connect_runs_as_often_as_memory_asks) {
         strips().render(shot);
         return strips().wavefront.round_length;
     };
-    EXPECT_EQ(round_length({}, 16), 1u);
+    EXPECT_EQ(round_length({.connect = ConnectWhen::EachBounce}, 16), 1u);
     EXPECT_EQ(round_length({.connect = ConnectWhen::Once}, 4), 5u) << "the vertices of the longest path";
     const uint32_t cut = round_length({.connect = ConnectWhen::Once, .memory_bytes = 3 * kSlotBytes * kSize * kSize}, 16);
     EXPECT_GT(cut, 2u);
