@@ -19,7 +19,7 @@ Words operator+(Words words, const Words& more) {
     return words;
 }
 
-class CliWavefront : public ::testing::Test {
+class WavefrontFiles : public ::testing::Test {
 protected:
     void SetUp() override {
         if (shared_device()) return;
@@ -38,7 +38,7 @@ protected:
 };
 
 // LP_NUM_THREADS as in CliRender.the_number_of_threads_changes_no_bit; on a CPU device the file is the reference's too.
-TEST_F(CliWavefront, the_number_of_threads_changes_no_bit) {
+TEST_F(WavefrontFiles, the_number_of_threads_changes_no_bit) {
     const Words job = kRender + Words{"--size", "40x24", "--spp", "2", "--aov", "variance,path.*", "--out", "a.exr"};
     const auto bytes_of = [&](const Words& words, const char* threads) {
         const ProcessResult result = run_parhelion(job + words, {.environment = {{"LP_NUM_THREADS", threads}}, .folder = folder.path()});
@@ -50,14 +50,14 @@ TEST_F(CliWavefront, the_number_of_threads_changes_no_bit) {
         const Words trace{"--trace", std::string(gpu::trace_way_name(way))};
         const std::string of_one_thread = bytes_of(trace + kWavefront, "0");
         EXPECT_GT(of_one_thread.size(), 1000u);
-        EXPECT_TRUE(bytes_of(trace + kWavefront + Words{"--set", "wavefront.connect=once"}, "7") == of_one_thread) << gpu::trace_way_name(way);
+        EXPECT_TRUE(bytes_of(trace + kWavefront + Words{"--set", "wavefront.connect=each_bounce"}, "7") == of_one_thread) << gpu::trace_way_name(way);
         if (is_cpu()) {
             EXPECT_TRUE(bytes_of(trace, "2") == of_one_thread) << gpu::trace_way_name(way);
         }
     }
 }
 
-TEST_F(CliWavefront, merged_parts_are_the_whole_bit_for_bit) {
+TEST_F(WavefrontFiles, merged_parts_are_the_whole_bit_for_bit) {
     const Words base{"--size", "20x12", "--aov", "albedo,normal,emission,roughness,depth,ids,motion,variance,path.*"};
     draw(base + kWavefront + Words{"--spp", "192"}, "whole.exr");
     draw(base + kWavefront + Words{"--spp-range", "64-192", "--set", "wavefront.slots=37"}, "second.exr");
@@ -68,7 +68,7 @@ TEST_F(CliWavefront, merged_parts_are_the_whole_bit_for_bit) {
 }
 
 // Ctrl-C comes once the first block is saved.
-TEST_F(CliWavefront, an_interrupted_job_resumes_and_draws_the_whole) {
+TEST_F(WavefrontFiles, an_interrupted_job_resumes_and_draws_the_whole) {
     const Words saved{"--size", "16x16", "--checkpoint", file("c.state"), "--checkpoint-every", "1ms", "--resume", "--json", "-"};
     ProcessOptions options{.signal = SIGINT};
     options.signal_when = [&](const ProcessResult&) { return std::filesystem::exists(file("c.state")); };
@@ -84,7 +84,7 @@ TEST_F(CliWavefront, an_interrupted_job_resumes_and_draws_the_whole) {
     EXPECT_TRUE(bytes("second.exr") == bytes("whole.exr"));
 }
 
-TEST_F(CliWavefront, its_report_counts_the_rays_of_the_reference) {
+TEST_F(WavefrontFiles, its_report_counts_the_rays_of_the_reference) {
     const Words job = kRender + Words{"--size", "24x16", "--spp", "2", "--json", "-", "--out", file("a.exr")};
     const ProcessResult reference = run_parhelion(job), wavefront = run_parhelion(job + kWavefront);
     ASSERT_EQ(wavefront.exit_code, 0) << wavefront.err;
@@ -95,7 +95,7 @@ TEST_F(CliWavefront, its_report_counts_the_rays_of_the_reference) {
     EXPECT_GT(wavefront.json()["rays"].dump().size(), 10u);
 }
 
-TEST_F(CliWavefront, more_slots_than_there_may_be_are_wrong_usage) {
+TEST_F(WavefrontFiles, more_slots_than_there_may_be_are_wrong_usage) {
     const ProcessResult result = run_parhelion(kRender + kWavefront + Words{"--set", "wavefront.slots=4194305", "--out", file("a.exr")});
     EXPECT_EQ(result.exit_code, 2);
     EXPECT_NE(result.err.find("wavefront.slots"), std::string::npos) << result.err;

@@ -20,10 +20,11 @@ protected:
 
     static Pair draw(Stage& stage, Shot shot) {
         Pair pair;
+        const WavefrontOptions options = shot.wavefront.value_or(WavefrontOptions{});
         shot.wavefront.reset();
         pair.expected = stage.render(shot);
         pair.expected_rays = stage.rays;
-        shot.wavefront.emplace();
+        shot.wavefront = options;
         pair.found = stage.render(shot);
         pair.rays = stage.rays;
         return pair;
@@ -72,7 +73,7 @@ protected:
 };
 
 TEST_P(WavefrontEquality, it_draws_the_reference_at_one_bounce) {
-    expect_equal(stage(), {.view = {.width = 32, .height = 24, .max_bounces = 1, .aovs = kAllAovs}, .sample_count = 3}, 0.999, GetParam());
+    expect_equal(stage(), {.view = {.width = 32, .height = 24, .max_bounces = 1, .aovs = kAllAovs}, .sample_count = 3, .wavefront = WavefrontOptions{.connect = ConnectWhen::EachBounce}}, 0.999, GetParam());
 }
 
 TEST_P(WavefrontEquality, it_draws_the_reference_at_full_depth) {
