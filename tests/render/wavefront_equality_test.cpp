@@ -45,11 +45,10 @@ protected:
         return least;
     }
     // `share`: of pixels that are equal where they need not be to the last bit.
-    void expect_equal(Stage& stage, Shot shot, double share, const std::string& what) {
-        for (const gpu::TraceWay way : kWays) {
-            if (!device()->caps().supports(way)) continue;
+    void expect_equal(Stage& stage, Shot shot, double share, const std::string& what, std::span<const gpu::TraceWay> ways = kWays) {
+        for (const gpu::TraceWay way : ways) {
             SCOPED_TRACE(fmt::format("{}, {}", what, gpu::trace_way_name(way)));
-            shot.way = way;
+            shot.way = device()->caps().supports(way) ? way : gpu::TraceWay::Compute;
             const Pair pair = draw(stage, shot);
             const image::ImageF expected = image::resolve_film(pair.expected), found = image::resolve_film(pair.found);
             EXPECT_GT(mean_rgb(expected), 0.0);
@@ -61,7 +60,7 @@ protected:
             } else {
                 EXPECT_GE(least_share_equal(found, expected), share);
                 EXPECT_NEAR(double(pair.rays.path) / double(pair.expected_rays.path), 1.0, 0.01);
-                EXPECT_NEAR(double(pair.rays.shadow) / double(pair.expected_rays.shadow), 1.0, 0.01);
+                EXPECT_NEAR(double(pair.rays.shadow), double(pair.expected_rays.shadow), 0.01 * double(pair.expected_rays.shadow));
             }
         }
     }
@@ -115,13 +114,15 @@ const Setting kSettings[] = {
     {"a moving shutter", [](Shot& s) { s.camera_at_close = s.camera, s.camera_at_close->position += glm::vec3(0.1f, 0.05f, 0.0f); }},
 };
 
+// Each in a way of its own: no setting belongs to one, and all ways are gone through above.
 TEST_F(WavefrontPictures, every_setting_draws_the_reference) {
+    size_t turn = 0;
     for (const char* scene : {"builtin:textured", "builtin:glass"}) {
         Stage& stage = builtin_stage(scene);
         for (const Setting& setting : kSettings) {
             Shot shot{.view = {.width = 20, .height = 15, .aovs = kAllAovs}, .camera = camera_of(stage), .sample_count = 2};
             setting.apply(shot);
-            expect_equal(stage, shot, 0.97, fmt::format("{}: {}", scene, setting.name));
+            expect_equal(stage, shot, 0.97, fmt::format("{}: {}", scene, setting.name), {&kWays[turn++ % std::size(kWays)], 1});
         }
     }
 }
