@@ -46,6 +46,7 @@ SHARED_CONST uint kPathSampleShift = 25u;    // of a ray, and of a slot that wai
 SHARED_CONST uint kVertexExists = 1u << 25;  // of a vertex
 SHARED_CONST uint kVertexEvent = 1u << 26;   // it asked for light
 SHARED_CONST uint kVertexEnds = 1u << 27;    // the path's last
+SHARED_CONST uint kVertexPane = 1u << 28;    // its shadow ray met a pane
 
 // Which triangle, 12 bytes: the surface is recomputed from it.
 struct WavefrontHit {

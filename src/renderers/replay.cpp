@@ -30,7 +30,7 @@ void check_timers(const gpu::DevicePtr& device) {
 void add_times(WavefrontTraceShares& shares, const Frame& frame) {
     for (const PassInfo& pass : frame.passes()) {
         if (pass.name == "wavefront/extend") shares.extend.pass_ms += pass.gpu_ms;
-        else if (pass.name == "wavefront/connect") shares.connect.pass_ms += pass.gpu_ms;
+        else if (pass.name.starts_with("wavefront/connect")) shares.connect.pass_ms += pass.gpu_ms;
         else if (pass.name == "wavefront/replay_rays") (pass.variant.ends_with("+SHADOWS") ? shares.connect : shares.extend).replay_ms += pass.gpu_ms;
     }
 }

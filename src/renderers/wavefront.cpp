@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "gpu/device_class.h"
 #include "shared/scene.h"
 
 namespace parhelion {
@@ -41,10 +40,7 @@ Wavefront::Wavefront(gpu::DevicePtr device, const WavefrontOptions& options) : d
         throw Error(ErrorCode::MissingFeature, "the wavefront needs subgroup ballots in compute shaders, which the device lacks", escape_name(caps.name), "use --renderer reference");
     if (options_.slots > kMaxWavefrontSlots)
         throw Error(ErrorCode::Usage, fmt::format("{} are more than {}", options_.slots, kMaxWavefrontSlots), "wavefront.slots");
-    if (options_.slots != 0) return;
-    // With all that it may hold a slot takes some 300 bytes; an eighth of the device's memory is left to it.
-    constexpr uint64_t kSlotBytes = 300, kShare = 8;
-    options_.slots = static_cast<uint32_t>(std::clamp<uint64_t>(caps.memory_bytes / (kShare * kSlotBytes), 1, gpu::device_class(caps).wavefront_slots));
+    if (options_.slots == 0) options_.slots = passes::usual_slots(caps);
 }
 
 passes::WavefrontShape Wavefront::shape(const SceneGpu& scene, const View& view) const {

@@ -20,6 +20,7 @@ struct BenchCase {
     bool replay = false;   // also measure the trace share
     bool in_hit = false;   // reference.shade_in=closest_hit
     uint32_t max_bounces = 16;
+    bool repeats = false;  // drawn twice, some time apart; the faster counts
     std::optional<WavefrontOptions> wavefront = {};  // drawn by it; else by the reference
 };
 

@@ -16,7 +16,7 @@ uint64_t rays_of(const PassTime& pass, const RenderReport& report) {
     if (pass.name.starts_with("reference/first_hit")) return uint64_t(report.size.width) * report.size.height;
     if (pass.name.starts_with("reference/path_trace")) return report.rays.path + report.rays.shadow;
     if (pass.name.starts_with("wavefront/extend")) return report.rays.path;
-    return pass.name.starts_with("wavefront/connect") ? report.rays.shadow : 0;
+    return pass.name.starts_with("wavefront/connect [") ? report.rays.shadow : 0;
 }
 
 }  // namespace

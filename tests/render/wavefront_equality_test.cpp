@@ -60,7 +60,7 @@ protected:
             } else {
                 EXPECT_GE(least_share_equal(found, expected), share);
                 EXPECT_NEAR(double(pair.rays.path) / double(pair.expected_rays.path), 1.0, 0.01);
-                EXPECT_NEAR(double(pair.rays.shadow) / double(pair.expected_rays.shadow), 1.0, 0.01);
+                EXPECT_NEAR(double(pair.rays.shadow), double(pair.expected_rays.shadow), 0.01 * double(pair.expected_rays.shadow));
             }
         }
     }

@@ -159,6 +159,20 @@ TEST_F(WavefrontMachine, lists_longer_than_a_row_of_work_groups_are_traced_whole
     EXPECT_EQ(sum(stage.wavefront.rays[0]), 256u * 144u);
 }
 
+TEST_F(WavefrontMachine, more_than_a_million_paths_at_a_time_draw_the_picture) {
+    constexpr uint32_t kWidth = 1100, kHeight = 1000;
+    static_assert(kWidth * kHeight > 1u << 20);
+    Shot shot{.view = {.width = kWidth, .height = kHeight, .max_bounces = 1}, .sample_count = 1};
+    Stage& stage = builtin_stage("builtin:cornell");
+    const image::FilmSums expected = stage.render(shot);
+    shot.rounds = 1;
+    shot.wavefront = WavefrontOptions{.slots = kMaxWavefrontSlots, .dispatch = WavefrontDispatch::Full};
+    expect_same(stage.render(shot), expected, false);
+    EXPECT_EQ(stage.wavefront.slots, kWidth * kHeight);
+    EXPECT_EQ(stage.wavefront.round_length, 2u);
+    EXPECT_EQ(sum(stage.wavefront.rays[0]), kWidth * kHeight);
+}
+
 TEST_F(WavefrontMachine, connect_runs_as_often_as_memory_asks) {
     const auto round_length = [&](const WavefrontOptions& options, uint32_t max_bounces) {
         Shot shot = strips_shot(1);

@@ -8,7 +8,7 @@ const uint kCounts = kCountedBounces * kClassesHere;  // the kernel's classes ar
 shared uint group_rays[kCounts], group_shadows[kCounts];
 
 void begin_counts() {
-    for (uint c = gl_LocalInvocationIndex; c < kCounts; c += gl_WorkGroupSize.x) group_rays[c] = group_shadows[c] = 0u;
+    for (uint c = gl_LocalInvocationIndex; c < kCounts; c += kWavefrontGroup) group_rays[c] = group_shadows[c] = 0u;
     barrier();
 }
 
@@ -20,7 +20,7 @@ void count_vertex(Control control, bool lives, uint bounce, uint class_here, boo
 
 void end_counts(Control control, uint first_class) {
     barrier();
-    for (uint c = gl_LocalInvocationIndex; c < kCounts; c += gl_WorkGroupSize.x) {
+    for (uint c = gl_LocalInvocationIndex; c < kCounts; c += kWavefrontGroup) {
         if (group_rays[c] == 0u) continue;
         atomicAdd(control.v.rays[c / kClassesHere][first_class + c % kClassesHere], group_rays[c]);
         if (group_shadows[c] != 0u) atomicAdd(control.v.shadows[c / kClassesHere][first_class + c % kClassesHere], group_shadows[c]);

@@ -24,6 +24,9 @@ struct ShadePush {
     uint32_t list, round, round_length;
 };
 struct ConnectPush {
+    uint64_t control, shadow_list, shadow_rays, vertices, splits;
+};
+struct ConnectPanesPush {
     uint64_t view, control, shadow_list, shadow_rays, vertices, splits, rays;
 };
 struct FinalizePush {
@@ -131,8 +134,20 @@ void shade(const WavefrontPass& pass) {
 
 void connect(const WavefrontPass& pass) {
     const WavefrontState& state = pass.state;
-    Pass kernel = pass.frame.trace("wavefront/connect", pass.way, has_layers(pass) ? "+LAYERS" : "");
+    const bool panes = (pass.scene.features() & shared::kScenePanes) != 0;
+    const uint64_t most = uint64_t{state.shape.slots} * state.shape.round_length;
+    Pass kernel = pass.frame.trace("wavefront/connect", pass.way, panes ? "+PANES" : "");
     kernel.scene(pass.scene.binding())
+        .read("control", state.control)
+        .read("shadow_list", state.shadow_list)
+        .read("shadow_rays", state.shadow_rays)
+        .read_write("vertices", state.vertices)
+        .read_write("splits", state.splits)
+        .push(ConnectPush{});
+    over(pass, kernel, shared::kListShadows, most);
+    if (!panes) return;
+    Pass through = pass.frame.trace("wavefront/connect_panes", pass.way);
+    through.scene(pass.scene.binding())
         .read("view", pass.film.view)
         .read("control", state.control)
         .read("shadow_list", state.shadow_list)
@@ -140,8 +155,8 @@ void connect(const WavefrontPass& pass) {
         .read_write("vertices", state.vertices)
         .read_write("splits", state.splits)
         .read_write("rays", pass.film.rays)
-        .push(ConnectPush{});
-    over(pass, kernel, shared::kListShadows, uint64_t{state.shape.slots} * state.shape.round_length);
+        .push(ConnectPanesPush{});
+    over(pass, through, shared::kListShadows, most);
 }
 
 void finalize(const WavefrontPass& pass) {

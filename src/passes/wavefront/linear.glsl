@@ -4,5 +4,5 @@
 #include "shared/wavefront.h"
 
 layout(local_size_x = kWavefrontGroup) in;
-uint invocation_index() { return gl_GlobalInvocationID.y * (gl_NumWorkGroups.x * gl_WorkGroupSize.x) + gl_GlobalInvocationID.x; }
+uint invocation_index() { return gl_GlobalInvocationID.y * (gl_NumWorkGroups.x * kWavefrontGroup) + gl_GlobalInvocationID.x; }
 #endif

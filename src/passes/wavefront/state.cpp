@@ -1,6 +1,7 @@
 // The wavefront's device memory, and the two kernels that keep its books.
 #include <algorithm>
 
+#include "gpu/device_class.h"
 #include "passes/wavefront/wavefront.h"
 
 namespace parhelion::passes {
@@ -30,6 +31,11 @@ uint64_t state_bytes(const WavefrontShape& shape) {
            (shape.extra ? sizeof(shared::WavefrontExtra) : 0) + (1 + list_places(shape)) * sizeof(uint32_t) +
            round * (sizeof(shared::WavefrontVertex) + sizeof(shared::WavefrontShadowRay) + sizeof(uint32_t)) +
            (shape.split ? (round + 1) * sizeof(shared::WavefrontSplit) + sizeof(shared::WavefrontClassSums) : 0);
+}
+
+uint32_t usual_slots(const gpu::DeviceCaps& caps) {
+    constexpr uint64_t kSlotBytes = 300, kShare = 8;  // with all that a slot may hold
+    return static_cast<uint32_t>(std::clamp<uint64_t>(caps.memory_bytes / (kShare * kSlotBytes), 1, gpu::device_class(caps).wavefront_slots));
 }
 
 WavefrontState make_wavefront_state(const gpu::DevicePtr& device, const WavefrontShape& shape, uint64_t pixels) {

@@ -31,6 +31,7 @@ struct WavefrontState {
 };
 WavefrontState make_wavefront_state(const gpu::DevicePtr& device, const WavefrontShape& shape, uint64_t pixels);
 uint64_t state_bytes(const WavefrontShape& shape);  // of one slot
+uint32_t usual_slots(const gpu::DeviceCaps& caps);   // as suit devices of its class, in an eighth of its memory
 
 // What kernels of an iteration have in common.
 struct WavefrontPass {
@@ -49,7 +50,7 @@ void generate(const WavefrontPass& pass);
 void extend(const WavefrontPass& pass);
 void sort_hits(const WavefrontPass& pass);
 void shade(const WavefrontPass& pass);  // one kernel, or one for each class that the scene has
-void connect(const WavefrontPass& pass);
+void connect(const WavefrontPass& pass);  // with a second kernel for rays that meet panes
 void finalize(const WavefrontPass& pass);
 
 }  // namespace parhelion::passes
