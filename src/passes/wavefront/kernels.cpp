@@ -81,6 +81,19 @@ void shade_class(const WavefrontPass& pass, const std::string& defines, uint32_t
     over(pass, kernel, size, state.shape.slots);
 }
 
+// What both kernels of Connect work on, and how many rays that may be.
+Pass& bind_shadow_rays(const WavefrontPass& pass, Pass& kernel) {
+    return kernel.scene(pass.scene.binding())
+        .read("control", pass.state.control)
+        .read("shadow_list", pass.state.shadow_list)
+        .read("shadow_rays", pass.state.shadow_rays)
+        .read_write("vertices", pass.state.vertices)
+        .read_write("splits", pass.state.splits);
+}
+void over_shadow_rays(const WavefrontPass& pass, Pass& kernel) {
+    over(pass, kernel, shared::kListShadows, uint64_t{pass.state.shape.slots} * pass.state.shape.round_length);
+}
+
 }  // namespace
 
 void generate(const WavefrontPass& pass) {
@@ -133,30 +146,14 @@ void shade(const WavefrontPass& pass) {
 }
 
 void connect(const WavefrontPass& pass) {
-    const WavefrontState& state = pass.state;
     const bool panes = (pass.scene.features() & shared::kScenePanes) != 0;
-    const uint64_t most = uint64_t{state.shape.slots} * state.shape.round_length;
     Pass kernel = pass.frame.trace("wavefront/connect", pass.way, panes ? "+PANES" : "");
-    kernel.scene(pass.scene.binding())
-        .read("control", state.control)
-        .read("shadow_list", state.shadow_list)
-        .read("shadow_rays", state.shadow_rays)
-        .read_write("vertices", state.vertices)
-        .read_write("splits", state.splits)
-        .push(ConnectPush{});
-    over(pass, kernel, shared::kListShadows, most);
+    bind_shadow_rays(pass, kernel).push(ConnectPush{});
+    over_shadow_rays(pass, kernel);
     if (!panes) return;
     Pass through = pass.frame.trace("wavefront/connect_panes", pass.way);
-    through.scene(pass.scene.binding())
-        .read("view", pass.film.view)
-        .read("control", state.control)
-        .read("shadow_list", state.shadow_list)
-        .read("shadow_rays", state.shadow_rays)
-        .read_write("vertices", state.vertices)
-        .read_write("splits", state.splits)
-        .read_write("rays", pass.film.rays)
-        .push(ConnectPanesPush{});
-    over(pass, through, shared::kListShadows, most);
+    bind_shadow_rays(pass, through).read("view", pass.film.view).read_write("rays", pass.film.rays).push(ConnectPanesPush{});
+    over_shadow_rays(pass, through);
 }
 
 void finalize(const WavefrontPass& pass) {
