@@ -37,7 +37,7 @@ const OptionSpec kOptions[] = {
      .help = "only the samples A <= index < B (multiples of 64): writes a part for `parhelion merge`", .bits = kNotInPreset,
      .renderers = kPathTracers, .instead = kUseFrames, .exclusive = kLength},
     {.name = "--frames", .section = "Picture", .commands = kRender, .kind = ValueKind::CountOrRange, .value = "N|A-B",
-     .help = "number of frames, or a range of them", .bits = kAbsent, .renderers = kRealtime, .instead = kUseSpp, .exclusive = kLength},
+     .help = "number of frames, or a range of them, for --out NAME.####.exr (realtime: also for its last one alone; default 64)"},
     {.name = "--time-budget", .section = "Picture", .commands = kRender, .kind = ValueKind::Duration, .value = "TIME",
      .help = "stop after this time (30s, 5m, 1h) and write what is finished", .bits = kNotInPreset},
     {.name = "--max-bounces", .section = "Picture", .commands = kRender, .kind = ValueKind::Integer, .value = "N", .fallback = "16",
@@ -54,9 +54,9 @@ const OptionSpec kOptions[] = {
      .help = "render smaller by this factor and reconstruct", .min = 1, .max = 4, .bits = kAbsent, .renderers = kRealtime,
      .instead = kRealtimeOnly},
     {.name = "--average", .section = "Picture", .commands = kRender, .help = "write the mean of all frames after the warm-up",
-     .bits = kAbsent, .renderers = kRealtime, .instead = kUseSpp},
+     .renderers = kRealtime, .instead = kUseSpp},
     {.name = "--warmup", .section = "Picture", .commands = kRender, .kind = ValueKind::Integer, .value = "N",
-     .help = "frames before the first that --average counts", .max = 1 << 20, .bits = kAbsent, .renderers = kRealtime, .instead = kUseSpp},
+     .help = "frames before the first that --average counts (default 64)", .max = 1 << 20, .renderers = kRealtime, .instead = kUseSpp},
 
     // Camera and time
     {.name = "--camera", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Text, .value = "NAME|INDEX",
@@ -68,7 +68,7 @@ const OptionSpec kOptions[] = {
     {.name = "--fov", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "DEG",
      .help = "vertical field of view in degrees", .min = 0.1, .max = 175},
     {.name = "--fps", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "F",
-     .help = "frames per second of the scene's clock; 0 holds time", .min = 0, .max = 1e6, .bits = kAbsent},
+     .help = "frames per second of the scene's clock; 0, the default, holds time", .min = 0, .max = 1e6},
     {.name = "--camera-path", .section = "Camera and time", .commands = kRender, .kind = ValueKind::File, .value = "F.json",
      .help = "a camera that moves along the keys of a file (docs/camera.md); --time says where on it", .exclusive = kViewpoint},
     {.name = "--aperture-radius", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "METRES",
@@ -76,7 +76,8 @@ const OptionSpec kOptions[] = {
     {.name = "--focus-distance", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "METRES",
      .help = "depth at which the lens is sharp (default: of what lies in the picture's middle)", .min = 1e-6, .max = 1e9},
     {.name = "--shutter", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "SECONDS", .fallback = "0",
-     .help = "how long the shutter stays open from --time on: the camera moves meanwhile, objects stand still", .max = 1e6},
+     .help = "how long the shutter stays open from --time on: the camera moves meanwhile, objects stand still", .max = 1e6,
+     .renderers = kPathTracers, .instead = "leave it out: the realtime renderer's frames are moments"},
 
     // Scene
     {.name = "--time", .section = "Scene", .commands = kTakesScene, .kind = ValueKind::Number, .value = "T", .fallback = "0",
@@ -196,6 +197,7 @@ const CommandSpec kCommands[] = {
       "parhelion render scene.glb --env sky.hdr --size 1920x1080 --spp 256 --out a.exr --out a.png",
       "parhelion render scene.glb --look-from 3,2,5 --look-at 0,1,0 --fov 40 --out a.png",
       "parhelion render scene.glb --spp-range 0-512 --out part0.exr --json part0.json",
+      "parhelion render builtin:diorama --animate robot --frames 120 --fps 30 --spp 64 --out robot.####.png",
       "parhelion render scene.glb --spp 4096 --checkpoint a.state --resume --out a.exr",
       "parhelion render builtin:cornell --set sampler.kind=pcg --out a.exr"}},
     {Command::Compare, "compare", "TEST REFERENCE", 2, 2, "measure how far a picture is from its reference",
