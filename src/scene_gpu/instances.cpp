@@ -109,7 +109,7 @@ std::vector<uint32_t> SceneGpu::State::assign_instance_rows() {
 // Where only bottom levels have gone elsewhere the previous frame is still the same.
 void SceneGpu::State::translate_instances(std::span<const Handle<Instance>> new_ones) {
     if (!anything_stale) return;
-    instances_before = has_no_past ? 0 : static_cast<uint32_t>(instances.size());
+    instances_before = static_cast<uint32_t>(instances.size());
     instance_translation = {};
     for (const uint32_t row : left_rows) instances[row].world_from_object_before = instances[row].world_from_object;
     const auto is_old = [&](Handle<Instance> handle) { return instance_rows[handle.index].row < instances_before; };

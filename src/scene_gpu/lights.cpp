@@ -143,9 +143,9 @@ void SceneGpu::State::place_emitters() {
     geometry_emitters = make_table("geometry_emitters", std::span<const uint32_t>(geometry_emitter_rows));
     stats.emitters = static_cast<uint32_t>(emitters.size());
     if (!anything_stale) return;  // the previous frame is still the same
-    emitters_before = has_no_past ? 0 : static_cast<uint32_t>(keys_before.size());
+    emitters_before = static_cast<uint32_t>(keys_before.size());
     emitter_translation = {};
-    if (std::vector<uint32_t> rows_now = translate_rows(std::span(keys_before).first(emitters_before), emitter_keys); !rows_now.empty())
+    if (std::vector<uint32_t> rows_now = translate_rows(keys_before, emitter_keys); !rows_now.empty())
         emitter_translation = make_table("emitter_now_of_before", std::move(rows_now));
 }
 

@@ -135,13 +135,20 @@ TEST_F(FramesJob, the_mean_of_realtime_frames_is_that_of_those_after_the_warm_up
 }
 
 TEST_F(FramesJob, out_of_time_a_sequence_ends_with_a_whole_frame) {
-    RenderOptions job = options("builtin:cornell", "spin", {.frames = {0, 1000000}, .fps = 30});
+    RenderOptions job = options("builtin:cornell", "spin", {.frames = {0, 10000}, .fps = 30});
+    job.samples = {0, 1536};  // of several slices
     job.time_budget_seconds = 0.5;
     const RenderReport report = run(job);
     EXPECT_TRUE(report.out_of_time);
     EXPECT_GE(report.finished_end, 1u);
     EXPECT_EQ(folder.names().size(), report.finished_end);
     EXPECT_FALSE(report_json(report)["complete"].get<bool>());
+    const uint64_t last = report.finished_end - 1;
+    job.time_budget_seconds.reset();
+    job.play->frames = {last, last + 1};
+    job.output.files = {folder.file("again.####.exr")};
+    run(job);
+    EXPECT_EQ(bytes(fmt::format("a.{:04}.exr", last).c_str()), bytes(fmt::format("again.{:04}.exr", last).c_str()));
 }
 
 }  // namespace parhelion::testing
