@@ -33,6 +33,7 @@ void Stage::draw(Wavefront& machine, const Shot& shot, View& view, const shared:
         machine.record(frame, scene_gpu, shot.way, view);
         frame.run();
     } while (!machine.advance(1.0, 1.0));
+    machine.finish(frame, view);
 }
 
 image::FilmSums Stage::render(const Shot& shot) {
