@@ -45,9 +45,9 @@ TEST_F(Packing, comes_back_within_the_stated_errors) {
             if (x[c] > 0.0f) ASSERT_LE(std::abs(std::log2(form[4][c] / std::clamp(x[c], 0x1p-40f, 0x1p40f))), 0.5f * 80.0f / 510.0f + 1e-3f) << i;
             else ASSERT_EQ(form[4][c], 0.0f) << i;
         }
-        // Half a cell of the square, three times as long on the sphere at the worst place: 6.5e-5 and 1.04e-3 radians, and rounding.
-        ASSERT_GE(glm::dot(form[2], n), 1.0f - 3e-9f - 2e-7f) << i;
-        ASSERT_GE(glm::dot(form[3], n), 1.0f - 5.5e-7f - 2e-7f) << i;
+        // Half a cell of the square, three times as long on the sphere at the worst place, and rounding.
+        ASSERT_LE(glm::length(form[2] - n), 3.0f * 0.70711f / 32767.0f + 4e-7f) << i;
+        ASSERT_LE(glm::length(form[3] - n), 3.0f * 0.70711f / 4095.0f * 2.0f + 4e-7f) << i;
     }
 }
 
