@@ -1,6 +1,7 @@
 #pragma once
 // The settings of `--set group.field=value`: what a picture depends on and seldom needs an option of its own.
 #include "base/settings.h"
+#include "renderers/cache_options.h"
 #include "renderers/view.h"
 #include "renderers/wavefront.h"
 #include "scene/sky.h"
@@ -30,7 +31,21 @@ struct RenderSettings {
     WavefrontDispatch wavefront_dispatch = WavefrontDispatch::Indirect;
     Switch wavefront_classes = Switch::On;
     uint32_t wavefront_memory_mb = 512;
+    CacheOptions cache;
 };
+
+template <class V>
+void visit_cache(V&& v, CacheOptions& s) {
+    v.field("cache.cells", s.cells, range(LightCache::kLeastCells, LightCache::kMostCells), "cells that the world cache has room for, 40 bytes each; made a power of two");
+    v.field("cache.life", s.life, range(1, shared::kCacheMostLife), "frames that a cell lives on after the camera's paths asked for it");
+    v.field("cache.budget", s.budget, range(1, LightCache::kMostCells), "cells that a frame updates, at most a fifth of cache.cells");
+    v.field("cache.samples", s.samples, range(1, shared::kCacheMostSamples), "samples that a cell's running mean is worth at most");
+    v.field("cache.candidates", s.candidates, range(1, 64), "light samples that a cell's one shadow ray is chosen among");
+    v.field("cache.cell_scale", s.cell_scale, range(0.01, 4), "size of a cell over the width of the path's cone there");
+    v.field("cache.cell_pixels", s.cell_pixels, range(1, 256), "least size of a cell, in pixels of the camera that looks there");
+    v.field("cache.jitter", s.jitter, range(0, 1), "how far look-ups are moved along the surface, in cells: blends neighbours");
+    v.field("cache.change_frames", s.change_frames, range(0, 256), "frames after a change of the lights in which cells forget fast");
+}
 
 template <class V>
 void visit(V&& v, RenderSettings& s) {
@@ -66,6 +81,7 @@ void visit(V&& v, RenderSettings& s) {
     v.field("wavefront.classes", s.wavefront_classes, choices({"off", "on"}),
             "one kernel of Shade for all materials, or one for each class of them");
     v.field("wavefront.memory_mb", s.wavefront_memory_mb, range(1, 1 << 20), "most that what waits for wavefront.connect=once may take");
+    visit_cache(v, s.cache);
     v.field("sky.sun_elevation", s.sun_elevation, range(-18, 90), "degrees of the clear sky's sun above the horizon");
     v.field("sky.sun_azimuth", s.sun_azimuth, range(-360, 360), "degrees of the clear sky's sun from +Z towards +X");
 }
