@@ -69,6 +69,7 @@ std::shared_ptr<Device> Device::borrow(const BorrowedDevice& handles) {
     caps.ray_pipeline = caps.ray_pipeline && handles.enabled_ray_pipeline;
     caps.ray_query = caps.ray_query && handles.enabled_ray_query;
     caps.block_compression = caps.block_compression && handles.enabled_block_compression;
+    caps.buffer_int64_atomics = caps.buffer_int64_atomics && handles.enabled_buffer_int64_atomics;
     choose_best({caps});  // throws with what is missing
     device->caps_ = caps;
     impl.device = handles.device;

@@ -25,6 +25,7 @@ struct DeviceCaps {
     uint64_t memory_bytes = 0;  // largest device-local heap
     bool ray_pipeline = false, ray_query = false, shader_float64 = false;
     bool block_compression = false;  // images of the formats BC1 to BC7
+    bool buffer_int64_atomics = false;  // shaderBufferInt64Atomics
     uint32_t subgroup_size = 0;
     bool subgroup_ballot = false;  // in compute shaders
     uint32_t shader_group_handle_size = 0, shader_group_handle_alignment = 0, shader_group_base_alignment = 0;
@@ -54,6 +55,7 @@ struct BorrowedDevice {
     uint32_t queue_family = 0;
     bool enabled_ray_pipeline = false, enabled_ray_query = false;
     bool enabled_block_compression = false;  // the feature textureCompressionBC
+    bool enabled_buffer_int64_atomics = false;  // the feature shaderBufferInt64Atomics
     void* (*get_instance_proc_addr)(VkInstance, const char*) = nullptr;  // null: the system loader
 };
 // Names of the device extensions to enable when making a device for us to borrow; the optional ray tracing ones included

@@ -252,6 +252,7 @@ PhysicalDevice inspect(const Instance& instance, VkPhysicalDevice handle, uint32
     pick_features(has, out.enabled, caps.missing);
     pick_ray_tracing(has, available, out);
     caps.block_compression = has.core.features.textureCompressionBC;
+    caps.buffer_int64_atomics = has.v12.shaderBufferInt64Atomics;
     caps.shader_float64 = has.core.features.shaderFloat64;
     Properties properties(push, caps.ray_pipeline || caps.ray_query, caps.ray_pipeline);
     instance.vk.vkGetPhysicalDeviceProperties2(handle, &properties.core);

@@ -22,7 +22,7 @@ TEST_F(RealtimePicture, without_tiles_a_frame_is_a_sample_of_the_reference) {
         const Shot shot = pinhole_shot(gpu::TraceWay::Compute, 2);
         const image::ImageF expected = image::resolve_film(stage.render(shot));
         const RayCounts rays = stage.rays;
-        const image::ImageF found = image::resolve_film(stage.play(shot, {.tiles = false}));
+        const image::ImageF found = image::resolve_film(stage.play(shot, {.tiles = false, .cache = false}));
         EXPECT_GT(mean_rgb(expected), 0.0);
         EXPECT_EQ(stage.rays.path + 2 * 32 * 32, rays.path);
         EXPECT_EQ(stage.rays.shadow, rays.shadow);
@@ -80,7 +80,7 @@ TEST_F(RealtimePicture, with_tiles_every_class_has_the_mean_of_the_reference) {
         const auto test = runs_of(32, 1, [&](uint32_t seed) {
             Shot shot = pinhole_shot(gpu::TraceWay::Compute, 32);
             shot.view.seed = seed;
-            return image::resolve_film(stage.play(shot, {}));
+            return image::resolve_film(stage.play(shot, {.cache = false}));
         });
         expect_equivalent(test, reference, 0.02);
     }
