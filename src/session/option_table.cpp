@@ -227,7 +227,7 @@ const CommandSpec kCommands[] = {
     {Command::Bench, "bench", "[SUITE]", 0, 1, "measure speed: scenes x renderers x ways to trace",
      "SUITE is quick (default), full, replay (which share of a pass its rays alone take), reference (the path tracer on large "
      "scenes, shading in raygen and in closest-hit shaders), wavefront (that with 8 bounces beside the wavefront in each of its forms, with its occupancy and "
-     "which share of Extend's and Connect's time their rays alone take), or trace (millions of primary, diffuse and shadow rays a second by each way to "
+     "which share of Extend's and Connect's time their rays alone take), realtime (passes of the realtime renderer while the camera turns; --spp: frames), or trace (millions of primary, diffuse and shadow rays a second by each way to "
      "trace when a pass does nothing else, in rooms of 10,368, 249,600 and 1,997,568 triangles as one mesh and as instances: room-s, room-m, "
      "room-l, room-s-instanced, ...). Prints a table, and JSON with --json. "
      "Compare numbers of one device only.",
