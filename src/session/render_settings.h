@@ -1,5 +1,6 @@
 #pragma once
 // The settings of `--set group.field=value`: what a picture depends on and seldom needs an option of its own.
+#include "base/error.h"
 #include "base/settings.h"
 #include "renderers/cache_options.h"
 #include "renderers/realtime.h"
@@ -102,6 +103,14 @@ inline WavefrontOptions wavefront_options(const RenderSettings& s) {
             .classes = s.wavefront_classes == Switch::On,
             .memory_bytes = uint64_t{s.wavefront_memory_mb} << 20,
             .sample_bytes = uint64_t{s.wavefront_memory_mb} << 20};
+}
+
+// Throws a usage Error for what the realtime renderer cannot do.
+inline void check_realtime(const RenderSettings& s) {
+    if (s.realtime_reuse != RealtimeReuse::None)
+        throw Error(ErrorCode::Usage, "reservoirs are not in this version", "realtime.reuse", "use realtime.reuse=none");
+    if (s.texture_lod != TextureLod::Full || s.shade_in != ShadeIn::Raygen)
+        throw Error(ErrorCode::Usage, "the realtime renderer reads textures at full resolution, and shades where it traces", "--renderer realtime", "leave texture.lod and reference.shade_in as they are");
 }
 
 inline RealtimeOptions realtime_options(const RenderSettings& s) {

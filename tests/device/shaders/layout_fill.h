@@ -86,7 +86,8 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Environment) v) {
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(SceneHeader) v) {
     F(instances) F(geometries) F(materials) F(textures) F(geometry_emitters) F(emitters) F(emitter_table) F(triangle_tables) F(environment_table)
     F(bottom_nodes) F(bottom_triangles) F(top_nodes) F(top_items) F(top_nodes_before) F(top_items_before) F(sobol) F(blue_noise)
-    F(bsdf_tables) F(suns) F(emitter_count) F(sun_count) F(culling) F(features) F(environment)
+    F(bsdf_tables) F(suns) F(instance_before_of_now) F(emitter_now_of_before) F(instance_before_count) F(emitter_before_count)
+    F(moving) F(emitter_count) F(sun_count) F(culling) F(features) F(environment)
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Hit) v) { F(instance_bits) F(geometry) F(primitive) F(barycentrics) F(t) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Camera) v) { F(position_ws) F(right_ws) F(up_ws) F(forward_ws) F(orthographic) F(lens_radius) F(focus_distance) }
