@@ -25,6 +25,7 @@ struct DeviceCaps {
     uint64_t memory_bytes = 0;  // largest device-local heap
     bool ray_pipeline = false, ray_query = false, shader_float64 = false;
     bool block_compression = false;  // images of the formats BC1 to BC7
+    bool buffer_int64_atomics = false;  // shaderBufferInt64Atomics
     bool raster = false;               // raster programs: the queue draws, dynamic rendering, lists of indirect draws
     bool draw_indirect_count = false;  // their number can come from a buffer too
     uint32_t subgroup_size = 0;
@@ -56,6 +57,7 @@ struct BorrowedDevice {
     uint32_t queue_family = 0;
     bool enabled_ray_pipeline = false, enabled_ray_query = false;
     bool enabled_block_compression = false;  // the feature textureCompressionBC
+    bool enabled_buffer_int64_atomics = false;  // the feature shaderBufferInt64Atomics
     bool enabled_raster = false;  // dynamicRendering, multiDrawIndirect and drawIndirectFirstInstance
     bool enabled_draw_indirect_count = false;  // drawIndirectCount
     void* (*get_instance_proc_addr)(VkInstance, const char*) = nullptr;  // null: the system loader

@@ -258,6 +258,7 @@ PhysicalDevice inspect(const Instance& instance, VkPhysicalDevice handle, uint32
     pick_features(has, out.enabled, caps.missing);
     pick_ray_tracing(has, available, out);
     caps.block_compression = has.core.features.textureCompressionBC;
+    caps.buffer_int64_atomics = has.v12.shaderBufferInt64Atomics;
     caps.raster = !mask.raster && out.queue_has_graphics && has.v13.dynamicRendering && has.core.features.multiDrawIndirect && has.core.features.drawIndirectFirstInstance;
     caps.draw_indirect_count = !mask.draw_count && caps.raster && has.v12.drawIndirectCount;
     caps.shader_float64 = has.core.features.shaderFloat64;
