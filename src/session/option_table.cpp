@@ -259,7 +259,7 @@ constexpr NamedHelp kEnvironment[] = {
     {"PARHELION_LOG", "trace, debug, info (default), warn, error or off"},
     {"PARHELION_CACHE_DIR", "folder of the pipeline caches and of what devices --measure found (default: the user's cache folder)"},
     {"NO_COLOR", "no colours on the terminal"},
-    {"PARHELION_MASK", "for tests: ways to trace that devices are taken not to have: pipeline, query or pipeline,query"},
+    {"PARHELION_MASK", "for tests: what devices are taken not to have, a list: pipeline and query (ways to trace), raster, draw_count (draws of a counted length)"},
     {"PARHELION_SHADER_DIR", "for tests: a folder with a shaders.pack that replaces the embedded one"},
 };
 

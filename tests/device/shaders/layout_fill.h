@@ -4,6 +4,7 @@
 #include "shared/bvh.h"
 #include "shared/functions.h"
 #include "shared/hit.h"
+#include "shared/raster.h"
 #include "shared/reference.h"
 #include "shared/scene.h"
 #include "shared/view.h"
@@ -29,6 +30,8 @@ struct LayoutStructs {
     ViewData view_data[2];
     Slice slice[2];
     DumpedRay dumped_ray[2];
+    DrawnGeometry drawn_geometry[2];
+    RasterCounts raster_counts[2];
     BvhNode bvh_node[2];
     BvhNodeBinary bvh_node_binary[2];
     BvhNodeCompact bvh_node_compact[2];
@@ -100,6 +103,11 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(ViewData) v) {
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Slice) v) { F(first_row) F(row_count) F(first_sample) F(sample_count) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(DumpedRay) v) { F(origin_ws) F(reach) F(direction_ws) F(alpha_key) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(DrawnGeometry) v) { F(instance) F(geometry) F(lower) F(upper) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(RasterCounts) v) {
+    for (uint i = 0u; i < 6u; ++i) F(drawn[i])
+    F(far_bits)
+}
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhNode) v) { F(min_x) F(max_x) F(min_y) F(max_y) F(min_z) F(max_z) F(child) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhNodeBinary) v) { F(x) F(y) F(z) F(child) F(pad) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhNodeCompact) v) { F(origin) F(min_x) F(scale) F(max_x) F(min_y) F(max_y) F(min_z) F(max_z) F(child) }
@@ -123,7 +131,7 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontSize) v) { F(x) 
 // Entry i of every array.
 SHARED_FN void fill_entry(SHARED_INOUT(uint) n, SHARED_INOUT(LayoutStructs) v, uint i) {
     F(scene_header[i]) F(geometry[i]) F(bvh_addresses[i]) F(affine[i]) F(instance[i]) F(vertex_attributes[i]) F(texture_entry[i]) F(texture_ref[i]) F(material[i]) F(emitter[i])
-    F(alias_entry[i]) F(environment[i]) F(hit[i]) F(camera[i]) F(camera_motion[i]) F(view_data[i]) F(slice[i]) F(dumped_ray[i]) F(bvh_node[i]) F(bvh_node_binary[i]) F(bvh_node_compact[i]) F(bvh_triangle[i]) F(bvh_top_item[i])
+    F(alias_entry[i]) F(environment[i]) F(hit[i]) F(camera[i]) F(camera_motion[i]) F(view_data[i]) F(slice[i]) F(dumped_ray[i]) F(drawn_geometry[i]) F(raster_counts[i]) F(bvh_node[i]) F(bvh_node_binary[i]) F(bvh_node_compact[i]) F(bvh_triangle[i]) F(bvh_top_item[i])
     F(traversal_ray[i]) F(traversal_hit[i])
     F(wavefront_ray[i]) F(wavefront_hit[i]) F(wavefront_path[i]) F(wavefront_extra[i]) F(wavefront_slot[i]) F(wavefront_vertex[i]) F(wavefront_shadow_ray[i]) F(wavefront_split[i]) F(wavefront_class_sums[i]) F(wavefront_size[i])
 }
