@@ -36,11 +36,11 @@ Device::Device() : impl_(std::make_unique<Impl>()) {}
 std::shared_ptr<Device> Device::open(const DeviceRequest& request) {
     const char* environment = std::getenv("PARHELION_DEVICE");
     const std::string selector = !request.selector.empty() ? request.selector : environment ? environment : "";
-    const std::shared_ptr<Instance> instance = create_instance(request.validate);
+    const std::shared_ptr<Instance> instance = create_instance(request.validate, request.window_extensions);
     std::vector<PhysicalDevice> physicals;
     std::vector<DeviceCaps> caps;
     for (const VkPhysicalDevice handle : instance->physical_devices()) {
-        physicals.push_back(inspect(*instance, handle, static_cast<uint32_t>(physicals.size()), request.mask_ray_tracing));
+        physicals.push_back(inspect(*instance, handle, static_cast<uint32_t>(physicals.size()), request.mask_ray_tracing, !request.window_extensions.empty()));
         caps.push_back(physicals.back().caps);
     }
     std::shared_ptr<Device> device(new Device);

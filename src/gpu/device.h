@@ -41,6 +41,8 @@ struct DeviceCaps {
 struct DeviceRequest {
     std::string selector;       // part of a name (any case) or an index; empty: PARHELION_DEVICE, else the best one
     bool validate = false;      // core and synchronisation validation; any message is counted and logged as an error
+    // Instance extensions that a window library asks for; not empty: the device must be able to show pictures (gpu/swapchain.h).
+    std::vector<std::string> window_extensions = {};
     bool mask_ray_tracing = false;  // as if the device had no ray tracing extension at all; PARHELION_MASK masks them one by one, everywhere
 };
 

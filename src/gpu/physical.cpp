@@ -229,7 +229,7 @@ std::vector<std::string> device_requirements() {
     return needed;
 }
 
-PhysicalDevice inspect(const Instance& instance, VkPhysicalDevice handle, uint32_t index, bool mask_ray_tracing) {
+PhysicalDevice inspect(const Instance& instance, VkPhysicalDevice handle, uint32_t index, bool mask_ray_tracing, bool windows) {
     PhysicalDevice out;
     out.handle = handle;
     out.caps.index = index;
@@ -243,6 +243,8 @@ PhysicalDevice inspect(const Instance& instance, VkPhysicalDevice handle, uint32
     const bool push = contains(available, VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME);
     if (push) out.extensions.emplace_back(VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME);
     else caps.missing.emplace_back(VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME);
+    if (windows && contains(available, VK_KHR_SWAPCHAIN_EXTENSION_NAME)) out.extensions.emplace_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+    else if (windows) caps.missing.emplace_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
     const Mask mask = mask_ray_tracing ? Mask{true, true} : mask_of_environment();
     const bool accel = contains(available, VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME) && contains(available, VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME);
     FeatureChain has;
