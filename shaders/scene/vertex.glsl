@@ -109,11 +109,11 @@ MediumStack media_behind(PathState path, Shading shading, vec3 wi) {
     return wi.z < 0.0 && !shading.s.scattering.thin ? shading.boundary.beyond : path.media;
 }
 
-NextEvent sample_next_event(ViewData view, PathState path, Shading shading, vec4 u_pick, vec4 u_light, uint alpha_key) {
+// What a light sample adds to the path if its ray is free. `bsdf_share`: how many BSDF samples there are for each light sample that it
+// was chosen from, for the weight of MIS.
+NextEvent next_event(ViewData view, PathState path, Shading shading, LightSample light, float bsdf_share, uint alpha_key) {
     NextEvent event;
     event.exists = false;
-    const LightPick pick = pick_light(shading.s.position_ws, shading.s.n_geometric_ws, u_pick);
-    const LightSample light = sample_light(pick, shading.s.position_ws, u_light);
     if (light.pdf <= 0.0 || (view.light_sampling == kBsdfSamplingOnly && !light.is_delta)) return event;  // no ray can hit a delta light
     const vec3 wi = light.wi * shading.frame;
     if (!sides_agree(shading, wi, light.wi)) return event;
@@ -121,7 +121,7 @@ NextEvent sample_next_event(ViewData view, PathState path, Shading shading, vec4
     const BsdfValue value = terms.value;
     if (max_component(total(value)) <= 0.0) return event;
     float weight = 1.0;
-    if (!light.is_delta && view.light_sampling == kLightSamplingMis) weight = mis_power_heuristic(light.pdf, terms.pdf);
+    if (!light.is_delta && view.light_sampling == kLightSamplingMis) weight = mis_power_heuristic(light.pdf, terms.pdf * bsdf_share);
     vec3 arriving = path.throughput * light.radiance * (weight / light.pdf);
     event.ray = spawn_ray(shading.s, light.wi, kInfinity, alpha_key);
     if (!light.infinite) {
@@ -136,6 +136,11 @@ NextEvent sample_next_event(ViewData view, PathState path, Shading shading, vec4
     return event;
 }
 
+NextEvent sample_next_event(ViewData view, PathState path, Shading shading, vec4 u_pick, vec4 u_light, uint alpha_key) {
+    const LightPick pick = pick_light(shading.s.position_ws, shading.s.n_geometric_ws, u_pick);
+    return next_event(view, path, shading, sample_light(pick, shading.s.position_ws, u_light), 1.0, alpha_key);
+}
+
 // The variant RAY_CONES reads textures as finely as the path sees them (texture.lod=cone); without it cones cost nothing.
 #ifdef RAY_CONES
 RayCone first_cone(ViewData view) { return RayCone(view.pixel_width, view.pixel_spread); }
@@ -147,9 +152,10 @@ RayCone next_cone(RayCone cone, float t, uint lobe, Bsdf bsdf) { return kNoCone;
 RayCone passing_cone(RayCone cone, float t) { return kNoCone; }
 #endif
 
-// Continues the path by the BSDF; false: it ends here.
-bool scatter(inout PathState path, Shading shading, float u_lobe, vec2 u, uint alpha_key) {
-    const BsdfSample next = sample_bsdf(shading.bsdf, shading.wo, u_lobe, u);
+// Continues the path by the BSDF, u = (lobe, direction); false: it ends here. without diffuse: only what other lobes scatter goes on.
+bool scatter(inout PathState path, Shading shading, vec3 u, bool diffuse, uint alpha_key) {
+    BsdfSample next = sample_bsdf(shading.bsdf, shading.wo, u.x, u.yz);
+    if (!diffuse) next.weight.diffuse = vec3(0.0);
     if (next.lobe == kLobeNone) return false;
     const vec3 wi_ws = shading.frame * next.wi;
     if (!sides_agree(shading, next.wi, wi_ws)) return false;
@@ -210,45 +216,67 @@ bool pass_pane(ViewData view, inout PathState path, Surface s) {
     return true;
 }
 
-// One vertex, from what the path's ray met there. `first` is set at the first surface.
-VertexResult shade_vertex(ViewData view, PathKey key, Hit hit, inout PathState path, inout FirstHit first) {
-    VertexResult result;
-    result.event.exists = false;
-    result.goes_on = false;
+// A vertex before anything is sampled there.
+struct VertexBegin {
+    vec3 arriving;   // as VertexResult's
+    bool goes_on;    // nothing is scattered here, and the path goes straight on
+    bool scatters;   // else it ends here
+    Shading shading;
+    vec4 u_pick, u_light;  // numbers for what follows, if it scatters
+    vec3 u_scatter;        // lobe, direction
+};
+
+// What the path's ray met there, up to where the path may scatter. `first` is set at the first surface.
+VertexBegin begin_vertex(ViewData view, PathKey key, Hit hit, inout PathState path, inout FirstHit first) {
+    VertexBegin begin;
+    begin.goes_on = begin.scatters = false;
     Surface s = fetch_surface(hit, path.ray, path.cone);
     s.integer_offset = (view.flags & kViewIntegerOffset) != 0u;
     if (kLayers) path.throughput *= medium_transmittance(medium_there(path.media), s.t);
     const uint bounce = path.path_class.bounce;
-    result.arriving = path.throughput * arriving_emission(path, s, view.light_sampling);
-    result.arriving *= firefly_share(view, bounce, result.arriving);
+    begin.arriving = path.throughput * arriving_emission(path, s, view.light_sampling);
+    begin.arriving *= firefly_share(view, bounce, begin.arriving);
 
     MediumBoundary boundary = MediumBoundary(path.media, true, s.scattering.ior);
     if (kLayers && s.scattering.transmission > 0.0 && !s.scattering.thin) boundary = cross_boundary(path.media, s.material, s.front_facing);
     if (!boundary.real) {
         pass_boundary(path, s, boundary);
-        result.goes_on = true;
-        return result;
+        begin.goes_on = true;
+        return begin;
     }
     if (bounce == 0u && !path.path_class.transmitted)
         first = FirstHit(s.scattering.base_color, s.n_shading_ws * (s.front_facing ? 1.0 : -1.0), s.emission, s.scattering.roughness);
     if (kLayers && is_pane(s.scattering) && pass_pane(view, path, s)) {
-        result.goes_on = true;
-        return result;
+        begin.goes_on = true;
+        return begin;
     }
-    if (bounce >= view.max_bounces) return result;
+    if (bounce >= view.max_bounces) return begin;
 
     PathSampler samples = make_sampler(key.pixel, key.sample_index, key.seed, view.sampler_kind, scene.header.sobol, scene.header.blue_noise);
     start_bounce(samples, bounce + 1u);
-    const vec4 u_pick = vec4(next_2d(samples), next_2d(samples));
-    const vec4 u_light = vec4(next_2d(samples), next_2d(samples));
-    const float u_lobe = next_1d(samples);
-    const vec2 u_direction = next_2d(samples);
+    begin.u_pick = vec4(next_2d(samples), next_2d(samples));
+    begin.u_light = vec4(next_2d(samples), next_2d(samples));
+    begin.u_scatter.x = next_1d(samples);
+    begin.u_scatter.yz = next_2d(samples);
     const float u_roulette = next_1d(samples);
-    if (bounce >= view.roulette_start && !survive_roulette(path, u_roulette)) return result;
+    if (bounce >= view.roulette_start && !survive_roulette(path, u_roulette)) return begin;
 
-    const Shading shading = make_shading(view, path, s, boundary);
-    result.event = sample_next_event(view, path, shading, u_pick, u_light, alpha_key(key, bounce, kRayShadow));
-    result.goes_on = scatter(path, shading, u_lobe, u_direction, alpha_key(key, bounce + 1u, kRayPath));
+    begin.shading = make_shading(view, path, s, boundary);
+    begin.scatters = true;
+    return begin;
+}
+
+// One vertex, from what the path's ray met there. `first` is set at the first surface.
+VertexResult shade_vertex(ViewData view, PathKey key, Hit hit, inout PathState path, inout FirstHit first) {
+    const uint bounce = path.path_class.bounce;
+    const VertexBegin begin = begin_vertex(view, key, hit, path, first);
+    VertexResult result;
+    result.arriving = begin.arriving;
+    result.event.exists = false;
+    result.goes_on = begin.goes_on;
+    if (!begin.scatters) return result;
+    result.event = sample_next_event(view, path, begin.shading, begin.u_pick, begin.u_light, alpha_key(key, bounce, kRayShadow));
+    result.goes_on = scatter(path, begin.shading, begin.u_scatter, true, alpha_key(key, bounce + 1u, kRayPath));
     return result;
 }
 #endif

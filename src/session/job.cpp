@@ -97,7 +97,9 @@ public:
         if (is_interrupted()) return {};
         const WavefrontOptions wavefront = wavefront_options(settings_);
         const uint64_t pixels = uint64_t{options_.size.width} * options_.size.height, most = std::min<uint64_t>(options_.samples.end, shared::kSamplesPerBlock);
-        const uint64_t samples = std::clamp<uint64_t>(kPathsPerSlot * Wavefront(device_, wavefront).slots() / pixels, 1, most);
+        const Wavefront machine(device_, wavefront);
+        const uint64_t paths = std::min(kPathsPerSlot * machine.slots(), machine.slice_paths(*view_));
+        const uint64_t samples = std::clamp<uint64_t>(paths / pixels, 1, most);
         return measure_wavefront_trace_shares(device_, *scene_gpu_, way_, *view_, wavefront, static_cast<uint32_t>(samples));
     }
 
@@ -228,7 +230,7 @@ void Job::resume() {
         // Its frames are short however long a slice is; but at the end of each the machine runs empty.
         constexpr double kSliceSeconds = 1.0;
         report_.renderer = "wavefront";
-        slicer_.emplace(options_.size, samples, kSliceSeconds, kPathsPerSlot * wavefront_->slots());
+        slicer_.emplace(options_.size, samples, kSliceSeconds, kPathsPerSlot * wavefront_->slots(), wavefront_->slice_paths(*view_));
     } else {
         slicer_.emplace(options_.size, samples);
     }
@@ -276,6 +278,7 @@ void Job::draw(const shared::Slice& slice) {
         run_slice_frame();
         finished = wavefront_->advance(seconds_since(begin));
     }
+    wavefront_->finish(*frame_, *view_);
     end_slice(*frame_, *view_, slice, ends_range);
     run_slice_frame();
 }

@@ -65,7 +65,7 @@ void visit(V&& v, RenderSettings& s) {
             "work sizes from the GPU, or every kernel over all slots (document 003)");
     v.field("wavefront.classes", s.wavefront_classes, choices({"off", "on"}),
             "one kernel of Shade for all materials, or one for each class of them");
-    v.field("wavefront.memory_mb", s.wavefront_memory_mb, range(1, 1 << 20), "most that what waits for wavefront.connect=once may take");
+    v.field("wavefront.memory_mb", s.wavefront_memory_mb, range(1, 1 << 20), "most that what waits for wavefront.connect=once may take, and as much for finished samples");
     v.field("sky.sun_elevation", s.sun_elevation, range(-18, 90), "degrees of the clear sky's sun above the horizon");
     v.field("sky.sun_azimuth", s.sun_azimuth, range(-360, 360), "degrees of the clear sky's sun from +Z towards +X");
 }
@@ -75,7 +75,8 @@ inline WavefrontOptions wavefront_options(const RenderSettings& s) {
             .connect = s.wavefront_connect,
             .dispatch = s.wavefront_dispatch,
             .classes = s.wavefront_classes == Switch::On,
-            .memory_bytes = uint64_t{s.wavefront_memory_mb} << 20};
+            .memory_bytes = uint64_t{s.wavefront_memory_mb} << 20,
+            .sample_bytes = uint64_t{s.wavefront_memory_mb} << 20};
 }
 
 inline SkyOptions sky_options(const RenderSettings& s) {

@@ -111,11 +111,12 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontRay) v) { F(orig
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontHit) v) { F(instance_bits) F(geometry) F(primitive) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontPath) v) { F(throughput) F(pdf) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontExtra) v) { F(media) F(travelled) F(radiance_scale) F(cone_width) F(cone_spread) }
-SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontSlot) v) { F(radiance) F(pixel) }
-SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontVertex) v) { F(arriving) F(bits) F(sampled) F(pixel) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontSlot) v) { F(radiance) F(path) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontVertex) v) { F(arriving) F(bits) F(sampled) F(path) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontShadowRay) v) { F(origin_ws) F(t_max) F(direction_ws) F(alpha_key) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontSplit) v) { F(diffuse_share) F(diffuse) F(specular) F(transmission) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontClassSums) v) { F(emission) F(direct_diffuse) F(direct_specular) F(indirect_diffuse) F(indirect_specular) F(transmission) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontFirst) v) { F(albedo) F(normal_ws) F(emission) F(roughness) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontSize) v) { F(x) F(y) F(z) }
 
 // Entry i of every array.

@@ -1,0 +1,31 @@
+#include "renderers/realtime.h"
+
+#include "renderers/slice.h"
+
+namespace parhelion {
+
+Realtime::Realtime(gpu::DevicePtr device, const View& view, const RealtimeOptions& options)
+    : options_(options),
+      gbuffer_(passes::make_gbuffer(device, {view.film().width, view.film().height})),
+      signals_(passes::make_signals(device, uint64_t{view.film().width} * view.film().height)),
+      tiles_(passes::make_light_tiles(device)) {}
+
+void Realtime::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, View& view, bool ends_range) {
+    const passes::Film& film = view.film();
+    const auto sample = static_cast<uint32_t>(view.accumulation().samples++);
+    const shared::Slice slice{.first_row = 0, .row_count = film.height, .first_sample = sample, .sample_count = 1};
+    const shared::RealtimeFrame settings{.frame_index = frame_index_,
+                                         .exposure = options_.exposure,
+                                         .candidates = options_.candidates,
+                                         .tiles = options_.tiles};
+    begin_slice(frame, scene, way, view, slice);
+    passes::trace_identity(frame, scene, way, film, gbuffer_, frame_index_);
+    passes::summarise_surfaces(frame, scene, film, gbuffer_, frame_index_, options_.exposure);
+    if (options_.tiles) passes::draw_light_tiles(frame, scene, tiles_, frame_index_, view.desc().seed);
+    passes::light(frame, scene, way, film, gbuffer_, tiles_, signals_, settings);
+    passes::composite(frame, film, gbuffer_, signals_, options_.exposure);
+    end_slice(frame, view, slice, ends_range);
+    ++frame_index_;
+}
+
+}  // namespace parhelion

@@ -1,0 +1,38 @@
+#pragma once
+// The realtime renderer: a frame's light in one pass of short paths, with nothing baked. Documents 000, 001 and 004.
+#include "passes/lights/lights.h"
+#include "passes/realtime/realtime.h"
+#include "renderers/view.h"
+
+namespace parhelion {
+
+enum class RealtimeReuse : uint32_t { Full, None, Unbiased };
+
+struct RealtimeOptions {
+    uint32_t candidates = 8;  // light samples that the first surface's one is chosen from
+    bool tiles = true;        // they come from light tiles; false: the light is sampled as by the reference
+    float exposure = 1.0f;    // stored radiance is nits times this; about 1 over the nits of white
+};
+
+// Draws frames of one view.
+class Realtime {
+public:
+    Realtime(gpu::DevicePtr device, const View& view, const RealtimeOptions& options);
+
+    // Records a frame, as one more sample of the view's film (the block of 64 that it ends is added to the exact sums). `ends_range`: the
+    // film is read after it. Only records: no submit, no wait. The scene must be drawable (SceneGpu::update).
+    void record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, View& view, bool ends_range);
+
+    uint32_t frame_index() const { return frame_index_; }  // of the next frame: key of its random numbers
+    void set_frame_index(uint32_t index) { frame_index_ = index; }
+    const passes::GBuffer& gbuffer() const { return gbuffer_; }
+
+private:
+    RealtimeOptions options_;
+    passes::GBuffer gbuffer_;
+    passes::Signals signals_;
+    gpu::Buffer tiles_;
+    uint32_t frame_index_ = 0;
+};
+
+}  // namespace parhelion
