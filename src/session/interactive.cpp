@@ -50,7 +50,7 @@ Interactive::Interactive(const RenderOptions& options, gpu::DevicePtr device) : 
     for (const std::string& assignment : options_.assignments) apply_assignment(settings_, assignment);
     trace_ = decide_trace(device_->caps(), options_.trace, settings_.node_layout);
     check_reference({.texture_lod = settings_.texture_lod, .shade_in = settings_.shade_in}, trace_.way == gpu::TraceWay::Pipeline);
-    make_view_drawer(options_.renderer, device_, settings_, options_.size, options_.samples.end);
+    make_drawer(options_.renderer, settings_);
     show = {.exposure_ev = options_.exposure_ev.value_or(0), .curve = options_.output.tonemap};
     meter_ = !options_.exposure_ev;
     if (!options_.aovs.empty()) layer_ = options_.aovs.front();
@@ -98,10 +98,18 @@ void Interactive::set_up_scene() {
     if (!view_) set_up_view();
 }
 
+std::unique_ptr<ViewDrawer> Interactive::make_drawer(RendererKind kind, const RenderSettings& settings) const {
+    const DrawerOptions options{.kind = kind,
+                                .size = options_.size,
+                                .max_samples = options_.samples.end,
+                                .exposure = static_cast<float>(image::exposure_scale_from_ev100(show.exposure_ev))};
+    return make_view_drawer(device_, options, settings);
+}
+
 void Interactive::set_up_view() {
     options_.aovs = layer_.empty() ? std::vector<std::string>{} : std::vector{layer_};
     view_ = std::make_unique<View>(device_, describe_view(options_, settings_, {.opens = camera_.view()}));
-    drawer_ = make_view_drawer(options_.renderer, device_, settings_, options_.size, options_.samples.end);
+    drawer_ = make_drawer(options_.renderer, settings_);
     preview_.reset();
     clear();
 }
@@ -133,7 +141,7 @@ void Interactive::choose_camera(const std::string& name) {
 }
 
 void Interactive::set_renderer(RendererKind kind) {
-    std::unique_ptr<ViewDrawer> drawer = make_view_drawer(kind, device_, settings_, options_.size, options_.samples.end);
+    std::unique_ptr<ViewDrawer> drawer = make_drawer(kind, settings_);
     options_.renderer = kind;
     if (!view_) return;
     drawer_ = std::move(drawer);
@@ -144,7 +152,7 @@ void Interactive::set_settings(const RenderSettings& settings) {
     const RenderSettings before = settings_;
     const TraceDecision trace = decide_trace(device_->caps(), options_.trace, settings.node_layout);
     check_reference({.texture_lod = settings.texture_lod, .shade_in = settings.shade_in}, trace.way == gpu::TraceWay::Pipeline);
-    make_view_drawer(options_.renderer, device_, settings, options_.size, options_.samples.end);
+    make_drawer(options_.renderer, settings);
     settings_ = settings;
     trace_ = trace;
     if (settings.sun_elevation != before.sun_elevation || settings.sun_azimuth != before.sun_azimuth) reload();
@@ -184,12 +192,11 @@ void Interactive::resize(Size2 size) {
 }
 
 uint64_t Interactive::samples() const {
-    const std::optional<FilmRows> rows = drawer_ ? drawer_->rows() : std::nullopt;
-    return rows ? rows->samples : 0;
+    return drawer_ ? drawer_->rows().samples : 0;
 }
 
 bool Interactive::is_finished() const {
-    return loaded_ && !is_loading() && progress_.complete && !play && !meter_ && !is_saving() && drawer_->accumulates() && samples() >= options_.samples.end;
+    return loaded_ && !is_loading() && progress_.complete && !play && !meter_ && !is_saving() && samples() >= options_.samples.end;
 }
 
 // ---- a frame ----
@@ -228,21 +235,22 @@ void Interactive::draw() {
     if (meter_ && progress_.complete) {
         show.exposure_ev = meter_scene(device_, *frame_, *scene_gpu_, trace_.way, view_->desc());
         meter_ = false;
+        set_renderer(options_.renderer);  // some keep light in few bits, about this exposure
         log(LogLevel::Info, "exposure EV100 {:.2f}, metered from the scene", show.exposure_ev);
     }
-    if (version_ != scene_gpu_->version()) clear();
+    if (version_ != scene_gpu_->version() || (!accumulate && !drawer_->has_preview())) clear();
     version_ = scene_gpu_->version();
     const uint32_t factor = preview_due_ ? preview_factor() : 1;
     preview_due_ = false;
     if (factor > 1) return draw_preview(factor);
     drawer_->record(*frame_, *scene_gpu_, trace_.way, *view_);
     // Until every pixel has a sample the preview is shown.
-    if (const std::optional<FilmRows> rows = drawer_->rows(); rows && rows->samples > 0) show_film(*view_, *rows);
+    if (const FilmRows rows = drawer_->rows(); rows.samples > 0) show_film(*view_, rows);
 }
 
 // How much coarser a picture must be to be drawn while a person waits.
 uint32_t Interactive::preview_factor() const {
-    if (!drawer_->accumulates()) return 1;
+    if (!drawer_->has_preview()) return 1;
     double seconds_per_sample = drawer_->seconds_per_sample();
     if (seconds_per_sample == 0 && device_->caps().type == gpu::DeviceType::Cpu) seconds_per_sample = kSecondsOfUnknownCpu;
     const double factor = std::ceil(std::sqrt(seconds_per_sample / kDrawSeconds));
@@ -296,7 +304,7 @@ void Interactive::save_picture(const std::vector<std::filesystem::path>& files) 
 
 // The film goes on as if nothing had happened: its last block is ended on a copy.
 void Interactive::write_picture() {
-    const FilmRows rows = *drawer_->rows();
+    const FilmRows rows = drawer_->rows();
     const passes::Film& film = view_->film();
     const gpu::Buffer block(device_, "film/kept_block", film.block.bytes()), sums(device_, "film/kept_sums", film.sums.bytes());
     frame_->copy(film.block, 0, block, 0, film.block.bytes());

@@ -53,6 +53,7 @@ public:
     bool is_loading() const { return loading_.valid(); }
     const SceneProgress& scene_progress() const { return progress_; }
     uint64_t samples() const;   // in every pixel
+    bool has_whole_frames() const { return drawer_ && !drawer_->has_preview(); }
     bool is_finished() const;   // nothing changes until something is changed
     const std::string& note() const { return note_; }  // the newest line for the person: what failed, what was written
     void set_note(std::string line) { note_ = std::move(line); }
@@ -75,6 +76,7 @@ public:
     bool is_saving() const { return !to_save_.empty(); }
 
     ShowOptions show;  // the exposure is metered once the scene is there, unless the options give one
+    bool accumulate = true;  // false: a renderer whose frames are whole pictures shows each alone
     bool play = false;       // the scene's animations or its scripted edit run
     double seconds = 0;      // where they stand
 
@@ -89,6 +91,7 @@ private:
     void play_scene();
     void set_up_scene();
     void set_up_view();
+    std::unique_ptr<ViewDrawer> make_drawer(RendererKind kind, const RenderSettings& settings) const;
     void clear();
     void draw();
     void draw_preview(uint32_t factor);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "renderers/realtime.h"
 #include "renderers/reference.h"
 #include "renderers/wavefront.h"
 #include "session/slicer.h"
@@ -10,6 +11,12 @@
 namespace parhelion {
 
 namespace {
+
+FilmRows rows_of(const Slicer& slicer) {
+    const std::vector<uint64_t> counts = slicer.samples_of_rows();
+    const auto ahead = std::find(counts.begin(), counts.end(), counts.back());
+    return {.samples = counts.back(), .rows_ahead = static_cast<uint32_t>(ahead - counts.begin()), .samples_ahead = counts.front()};
+}
 
 // The path tracer, a slice of rows and samples a frame.
 class ReferenceDrawer : public ViewDrawer {
@@ -26,12 +33,8 @@ public:
         slice_.reset();
         measured_ = true;
     }
+    FilmRows rows() const override { return rows_of(slicer_); }
     double seconds_per_sample() const override { return measured_ ? double(size_.width) * size_.height * kDrawSeconds / double(slicer_.budget()) : 0; }
-    std::optional<FilmRows> rows() const override {
-        const std::vector<uint64_t> counts = slicer_.samples_of_rows();
-        const auto ahead = std::find(counts.begin(), counts.end(), counts.back());
-        return FilmRows{.samples = counts.back(), .rows_ahead = static_cast<uint32_t>(ahead - counts.begin()), .samples_ahead = counts.front()};
-    }
     void restart() override {
         slice_.reset();
         slicer_ = Slicer(size_, {0, max_samples_}, kDrawSeconds, slicer_.budget());
@@ -45,71 +48,93 @@ private:
     bool measured_ = false;
 };
 
-// The wavefront path tracer: a slice is a sample or more of the whole picture, drawn in as many frames as it takes.
+// The wavefront path tracer: a slice takes several frames, and its samples reach the film when it is finished.
 class WavefrontDrawer : public ViewDrawer {
 public:
     WavefrontDrawer(const gpu::DevicePtr& device, const WavefrontOptions& options, Size2 size, uint64_t max_samples)
         : machine_(device, options), size_(size), max_samples_(max_samples) {}
 
     void record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, View& view) override {
-        recorded_ = false;
-        if (ended_) {  // this frame shows the picture between two slices
-            end_slice(frame, view, *ended_, false);
-            ended_.reset();
-            return;
+        if (finished_) {
+            machine_.finish(frame, view);
+            end_slice(frame, view, *slice_, false);
+            rows_ = rows_of(*slicer_);
+            slice_.reset();
+            finished_ = false;
         }
-        if (!slice_ && samples_ < max_samples_) begin_next_slice();
+        if (!slicer_) slicer_.emplace(size_, IndexRange{0, max_samples_}, kSliceSeconds, budget_, machine_.slice_paths(view));
+        if (!slice_ && (slice_ = slicer_->next())) {
+            machine_.start(*slice_);
+            slice_seconds_ = 0;
+        }
         recorded_ = slice_.has_value();
         if (recorded_) machine_.record(frame, scene, way, view);
     }
     void ran(double seconds) override {
         if (!recorded_) return;
+        recorded_ = false;
         slice_seconds_ += seconds;
-        if (!machine_.advance(seconds, kDrawSeconds)) return;
-        samples_ += slice_->sample_count;
-        seconds_per_sample_ = slice_seconds_ / slice_->sample_count;
-        const double wanted = slice_->sample_count * kSliceSeconds / std::max(slice_seconds_, 1e-6);
-        wanted_samples_ = static_cast<uint32_t>(std::clamp(wanted, 1.0, 2.0 * slice_->sample_count));
-        ended_ = slice_;
-        slice_.reset();
+        finished_ = machine_.advance(seconds, kDrawSeconds);
+        if (!finished_) return;
+        slicer_->measured(*slice_, slice_seconds_);
+        seconds_per_sample_ = slice_seconds_ * size_.height / (double(slice_->row_count) * slice_->sample_count);
     }
-    std::optional<FilmRows> rows() const override { return slice_ ? std::nullopt : std::optional(FilmRows{.samples = samples_}); }
+    FilmRows rows() const override { return rows_; }
     double seconds_per_sample() const override { return seconds_per_sample_; }
     void restart() override {
-        if (slice_) machine_.abandon();
+        if (slice_ && !finished_) machine_.abandon();
+        if (slicer_) budget_ = slicer_->budget();
         slice_.reset();
-        ended_.reset();
-        samples_ = 0;
+        slicer_.reset();
+        rows_ = {};
+        finished_ = recorded_ = false;
     }
 
 private:
-    void begin_next_slice() {
-        const uint64_t block_end = (samples_ / shared::kSamplesPerBlock + 1) * shared::kSamplesPerBlock;
-        const uint64_t most = std::min(block_end, max_samples_) - samples_;
-        slice_ = shared::Slice{0, size_.height, static_cast<uint32_t>(samples_), static_cast<uint32_t>(std::min<uint64_t>(wanted_samples_, most))};
-        slice_seconds_ = 0;
-        machine_.start(*slice_);
-    }
-
     static constexpr double kSliceSeconds = 0.5;  // at the end of each the machine runs empty
     Wavefront machine_;
     Size2 size_;
-    uint64_t max_samples_, samples_ = 0;
-    std::optional<shared::Slice> slice_, ended_;
-    bool recorded_ = false;
+    uint64_t max_samples_, budget_ = 1u << 16;
+    std::optional<Slicer> slicer_;
+    std::optional<shared::Slice> slice_;
+    FilmRows rows_;
+    bool finished_ = false, recorded_ = false;
     double slice_seconds_ = 0, seconds_per_sample_ = 0;
-    uint32_t wanted_samples_ = 1;
+};
+
+// A frame is a sample of the film.
+class RealtimeDrawer : public ViewDrawer {
+public:
+    RealtimeDrawer(gpu::DevicePtr device, const RealtimeOptions& options, uint64_t max_samples) : device_(std::move(device)), options_(options), max_samples_(max_samples) {}
+
+    void record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, View& view) override {
+        if (samples_ >= max_samples_) return;
+        if (!renderer_) renderer_.emplace(device_, view, options_);
+        renderer_->record(frame, scene, way, view, false);
+        ++samples_;
+    }
+    void ran(double) override {}
+    FilmRows rows() const override { return {.samples = samples_}; }
+    double seconds_per_sample() const override { return 0; }
+    void restart() override { samples_ = 0; }
+    bool has_preview() const override { return false; }
+
+private:
+    gpu::DevicePtr device_;
+    RealtimeOptions options_;
+    uint64_t max_samples_, samples_ = 0;
+    std::optional<Realtime> renderer_;
 };
 
 }  // namespace
 
-std::unique_ptr<ViewDrawer> make_view_drawer(RendererKind kind, const gpu::DevicePtr& device, const RenderSettings& settings, Size2 size, uint64_t max_samples) {
-    switch (kind) {
-        case RendererKind::Reference: return std::make_unique<ReferenceDrawer>(size, max_samples);
-        case RendererKind::Wavefront: return std::make_unique<WavefrontDrawer>(device, wavefront_options(settings), size, max_samples);
-        case RendererKind::Realtime: break;
+std::unique_ptr<ViewDrawer> make_view_drawer(const gpu::DevicePtr& device, const DrawerOptions& options, const RenderSettings& settings) {
+    switch (options.kind) {
+        case RendererKind::Reference: return std::make_unique<ReferenceDrawer>(options.size, options.max_samples);
+        case RendererKind::Wavefront: return std::make_unique<WavefrontDrawer>(device, wavefront_options(settings), options.size, options.max_samples);
+        case RendererKind::Realtime: return std::make_unique<RealtimeDrawer>(device, RealtimeOptions{.exposure = options.exposure}, options.max_samples);
     }
-    throw Error(ErrorCode::Usage, "it is not built into this version", "--renderer realtime", "use reference or wavefront");
+    throw Error(ErrorCode::Failed, "there is no such renderer", "--renderer");
 }
 
 }  // namespace parhelion

@@ -23,20 +23,26 @@ public:
     virtual void record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, View& view) = 0;
     // That frame has run; its passes took so many seconds.
     virtual void ran(double seconds) = 0;
-    // What the film holds; nothing while its pixels are at different samples.
-    virtual std::optional<FilmRows> rows() const = 0;
+    // What the film holds once the passes recorded so far have run.
+    virtual FilmRows rows() const = 0;
     // Seconds that a sample of the whole picture takes; 0: not known yet.
     virtual double seconds_per_sample() const = 0;
     // The film has been cleared: begins anew.
     virtual void restart() = 0;
-    // False: a frame is a picture of its own, and only the newest one is wanted. Then a camera's move needs no preview.
-    virtual bool accumulates() const { return true; }
+    // False: its first frame is whole and fast enough, so that a camera's move needs no coarser picture in front of it.
+    virtual bool has_preview() const { return true; }
 };
 
 constexpr double kDrawSeconds = 0.04;  // of the device's time, for a frame that a person waits for
 
-// For pictures of this size that end after `max_samples`. Adding a renderer: a class in view_drawer.cpp and a line in this function.
-// Throws Error if the device or the settings do not let it draw.
-std::unique_ptr<ViewDrawer> make_view_drawer(RendererKind kind, const gpu::DevicePtr& device, const RenderSettings& settings, Size2 size, uint64_t max_samples);
+struct DrawerOptions {
+    RendererKind kind = RendererKind::Reference;
+    Size2 size;
+    uint64_t max_samples = 0;  // a picture ends after so many
+    float exposure = 1.0f;     // about 1 over the nits of white: renderers that keep light in few bits keep it times this
+};
+
+// Adding a renderer: a class in view_drawer.cpp and a line in this function. Throws Error if the device or the settings do not let it draw.
+std::unique_ptr<ViewDrawer> make_view_drawer(const gpu::DevicePtr& device, const DrawerOptions& options, const RenderSettings& settings);
 
 }  // namespace parhelion

@@ -34,7 +34,7 @@ void Controls::press(int key) {
         case GLFW_KEY_F1: panels_.help = !panels_.help; return;
         case GLFW_KEY_HOME: return session_.choose_camera("");
         case GLFW_KEY_C: return next_camera();
-        case GLFW_KEY_R: return panels_.change(session_, [&] { session_.set_renderer(session_.options().renderer == RendererKind::Reference ? RendererKind::Wavefront : RendererKind::Reference); });
+        case GLFW_KEY_R: return panels_.change(session_, [&] { session_.set_renderer(static_cast<RendererKind>((static_cast<uint32_t>(session_.options().renderer) + 1) % 3)); });
         case GLFW_KEY_L: return session_.set_layer(next(Interactive::layers(), session_.layer()));
         case GLFW_KEY_T: session_.show.curve = static_cast<image::ToneCurve>((static_cast<uint32_t>(session_.show.curve) + 1) % 3); return;
         case GLFW_KEY_EQUAL:

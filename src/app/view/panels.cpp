@@ -10,12 +10,13 @@
 #include "app/view/settings_panel.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "passes/ui/panels.h"
 
 namespace parhelion::view {
 
 namespace {
 
-constexpr std::array<const char*, 2> kRenderers = {"reference", "wavefront"};
+constexpr std::array<const char*, 3> kRenderers = {"reference", "wavefront", "realtime"};
 constexpr std::array<const char*, 3> kCurves = {"linear", "aces", "agx"};
 constexpr float kWidth = 330.0f;
 
@@ -36,6 +37,28 @@ constexpr std::array<std::array<const char*, 2>, 15> kKeys = {{
     {"F5", "load the scene again"},
     {"F1, Tab, Esc", "this list, panels on and off, close"},
 }};
+
+// What an ImGui list holds, in one mesh.
+passes::PanelMesh mesh_of(const ImDrawData& data) {
+    passes::PanelMesh mesh;
+    const ImVec2 origin = data.DisplayPos, scale = data.FramebufferScale;
+    const auto pixel = [](float x) { return static_cast<uint32_t>(std::max(0.0f, x)); };
+    for (int n = 0; n < data.CmdListsCount; ++n) {
+        const ImDrawList& list = *data.CmdLists[n];
+        const auto base = static_cast<uint32_t>(mesh.vertices.size());
+        for (const ImDrawVert& v : list.VtxBuffer)
+            mesh.vertices.push_back({(v.pos.x - origin.x) * scale.x, (v.pos.y - origin.y) * scale.y, v.uv.x, v.uv.y, v.col});
+        for (const ImDrawCmd& command : list.CmdBuffer) {
+            passes::PanelDraw draw{.first_index = static_cast<uint32_t>(mesh.indices.size()), .index_count = command.ElemCount};
+            draw.clip = {.x = pixel((command.ClipRect.x - origin.x) * scale.x), .y = pixel((command.ClipRect.y - origin.y) * scale.y)};
+            draw.clip.width = pixel((command.ClipRect.z - origin.x) * scale.x) - std::min(draw.clip.x, pixel((command.ClipRect.z - origin.x) * scale.x));
+            draw.clip.height = pixel((command.ClipRect.w - origin.y) * scale.y) - std::min(draw.clip.y, pixel((command.ClipRect.w - origin.y) * scale.y));
+            for (unsigned i = 0; i < command.ElemCount; ++i) mesh.indices.push_back(base + command.VtxOffset + list.IdxBuffer[static_cast<int>(command.IdxOffset + i)]);
+            mesh.draws.push_back(draw);
+        }
+    }
+    return mesh;
+}
 
 }  // namespace
 
@@ -114,6 +137,7 @@ void Panels::show_picture(Interactive& session) {
     int renderer = static_cast<int>(session.options().renderer);
     if (ImGui::Combo("renderer", &renderer, kRenderers.data(), static_cast<int>(kRenderers.size())))
         change(session, [&] { session.set_renderer(static_cast<RendererKind>(renderer)); });
+    if (session.has_whole_frames()) ImGui::Checkbox("accumulate", &session.accumulate);
     int bounces = static_cast<int>(session.options().max_bounces);
     if (ImGui::SliderInt("bounces", &bounces, 0, 64, bounces == 0 ? "unlimited" : "%d")) session.set_max_bounces(static_cast<uint32_t>(std::clamp(bounces, 0, 65535)));
     auto exposure = static_cast<float>(session.show.exposure_ev);
@@ -183,7 +207,7 @@ void Panels::draw(Frame& frame, const gpu::Image& canvas) {
         font_ = gpu::Image(device_, "ui/font", {.format = gpu::Format::R8Unorm, .extent = {static_cast<uint32_t>(width), static_cast<uint32_t>(height), 1}});
         frame.upload_image(font_, std::as_bytes(std::span(texels, static_cast<size_t>(width) * static_cast<size_t>(height))));
     }
-    (void)canvas;
+    passes::panels(frame, canvas, font_, mesh_of(*ImGui::GetDrawData()));
 }
 
 }  // namespace parhelion::view

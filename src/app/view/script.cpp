@@ -18,7 +18,8 @@ constexpr std::array<std::string_view, 9> kSteps = {"spp", "frames", "size", "re
 RendererKind renderer_of(const std::string& name) {
     if (name == "reference") return RendererKind::Reference;
     if (name == "wavefront") return RendererKind::Wavefront;
-    throw Error(ErrorCode::Usage, fmt::format("there is no renderer '{}'", escape_name(name)), std::string(kOption), "use reference or wavefront");
+    if (name == "realtime") return RendererKind::Realtime;
+    throw Error(ErrorCode::Usage, fmt::format("there is no renderer '{}'", escape_name(name)), std::string(kOption), "use reference, wavefront or realtime");
 }
 
 }  // namespace
