@@ -61,14 +61,14 @@ void Frame::reset_history(std::string_view reason) {
 }
 
 Pass Frame::compute(std::string_view name, std::string_view defines) {
-    Pass pass(*this, std::string(name), std::string(defines), false);
+    Pass pass(*this, std::string(name), std::string(defines), Pass::Kind::Compute);
     pass.program();  // complains here if there is no such shader
     return pass;
 }
 
 Pass Frame::trace(std::string_view name, gpu::TraceWay way, std::string_view defines) {
-    const bool pipeline = way == gpu::TraceWay::Pipeline;
-    return {*this, std::string(name), fmt::format("{}{}", gpu::trace_way_name(way), defines), pipeline};
+    const Pass::Kind kind = way == gpu::TraceWay::Pipeline ? Pass::Kind::Trace : Pass::Kind::Compute;
+    return {*this, std::string(name), fmt::format("{}{}", gpu::trace_way_name(way), defines), kind};
 }
 
 void Frame::add(Record record) { records_.push_back(std::move(record)); }

@@ -1,5 +1,6 @@
 #pragma once
 // Recording of GPU commands. Nothing here tracks hazards: Frame does, and calls barrier(). Also submission, set 0 and timers.
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -70,6 +71,34 @@ private:
     std::shared_ptr<Data> data_;
 };
 
+// What an attachment holds before anything is drawn: four floats or four integers, as its format has them.
+struct ClearColor {
+    std::array<uint32_t, 4> bits{};
+    static ClearColor floats(float r, float g, float b, float a);
+    static ClearColor uints(uint32_t r, uint32_t g, uint32_t b, uint32_t a) { return {{r, g, b, a}}; }
+};
+// The images that a raster program draws into, all of one extent. Without a clear value an image keeps what it holds.
+struct RenderTarget {
+    struct Color {
+        Image image;
+        std::optional<ClearColor> clear;
+    };
+    std::vector<Color> colors;  // by location
+    Image depth;                // may be empty
+    std::optional<float> depth_clear;
+    Extent extent() const { return colors.empty() ? depth.extent() : colors.front().image.extent(); }
+};
+// Pixels [x, x + width) x [y, y + height) of the target.
+struct Rect {
+    uint32_t x = 0, y = 0, width = 0, height = 0;
+    friend bool operator==(const Rect&, const Rect&) = default;
+};
+// Three vertices a triangle. The shader sees first_vertex + 0, 1, ... and first_instance + 0, 1, ...
+struct Draw {
+    uint32_t vertex_count = 0, instance_count = 1, first_vertex = 0, first_instance = 0;
+};
+static_assert(sizeof(Draw) == 16);  // VkDrawIndirectCommand
+
 class CommandList {
 public:
     explicit CommandList(const DevicePtr& device);              // an own command buffer, begun
@@ -89,6 +118,17 @@ public:
     void dispatch_indirect(const Buffer& args, uint64_t offset);
     void trace(uint32_t width, uint32_t height, uint32_t depth);
     void trace_indirect(const Buffer& args, uint64_t offset);
+
+    // Draws of the bound raster program lie between these two; the viewport is the whole target, and so is the scissor at first.
+    void begin_rendering(const RenderTarget& target);
+    void end_rendering();
+    void set_scissor(const Rect& rect);  // the part of it that lies in the target
+    void draw(const Draw& draw);
+    // `count` draws (struct Draw) from `offset` of a buffer on.
+    void draw_indirect(const Buffer& draws, uint64_t offset, uint32_t count);
+    // As many as the word at `count_offset` of `count` says, at most `most`; where the device cannot read that, all `most` of them, so that
+    // those after the last must be empty (vertex_count 0).
+    void draw_indirect_count(const Buffer& draws, uint64_t offset, const Buffer& count, uint64_t count_offset, uint32_t most);
 
     void copy(const Buffer& from, uint64_t from_offset, const Buffer& to, uint64_t to_offset, uint64_t bytes);
     void copy_to_image(const Buffer& from, uint64_t offset, const Image& to, uint32_t mip, uint32_t first_row, uint32_t rows);  // tightly packed

@@ -69,6 +69,8 @@ std::shared_ptr<Device> Device::borrow(const BorrowedDevice& handles) {
     caps.ray_pipeline = caps.ray_pipeline && handles.enabled_ray_pipeline;
     caps.ray_query = caps.ray_query && handles.enabled_ray_query;
     caps.block_compression = caps.block_compression && handles.enabled_block_compression;
+    caps.raster = caps.raster && handles.enabled_raster && impl.physical.queue_has_graphics;
+    caps.draw_indirect_count = caps.raster && caps.draw_indirect_count && handles.enabled_draw_indirect_count;
     choose_best({caps});  // throws with what is missing
     device->caps_ = caps;
     impl.device = handles.device;

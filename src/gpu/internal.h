@@ -50,6 +50,8 @@ namespace parhelion::gpu {
     X(vkBeginCommandBuffer) X(vkEndCommandBuffer) X(vkCmdPipelineBarrier2) X(vkCmdBindPipeline) X(vkCmdBindDescriptorSets)        \
     X(vkCmdPushConstants) X(vkCmdDispatch) X(vkCmdDispatchIndirect) X(vkCmdCopyBuffer) X(vkCmdCopyBufferToImage)                  \
     X(vkCmdCopyImageToBuffer) X(vkCmdBlitImage) X(vkCmdFillBuffer) X(vkCmdResetQueryPool) X(vkCmdWriteTimestamp2)                 \
+    X(vkCreateGraphicsPipelines) X(vkCmdBeginRendering) X(vkCmdEndRendering) X(vkCmdSetViewport) X(vkCmdSetScissor)               \
+    X(vkCmdDraw) X(vkCmdDrawIndirect) X(vkCmdDrawIndirectCount)                                                                   \
     X(vkCmdPushDescriptorSetKHR)                                                                                                  \
     X(vkSetDebugUtilsObjectNameEXT) X(vkCmdBeginDebugUtilsLabelEXT) X(vkCmdEndDebugUtilsLabelEXT)                                 \
     X(vkCreateAccelerationStructureKHR) X(vkDestroyAccelerationStructureKHR) X(vkGetAccelerationStructureBuildSizesKHR)           \
@@ -216,12 +218,14 @@ struct Image::Data {
     VkImage handle = nullptr;
     VkImageView sampled = nullptr;  // all mips; null for a borrowed image
     VkImageView storage = nullptr;  // mip 0; null where the format has no storage
+    VkImageView attachment = nullptr;  // null for a borrowed image, with mip levels, and where nothing can be drawn to the format
     Allocation allocation;
     bool owned = false;
     std::atomic<bool> initialised{false};  // its transition to GENERAL is recorded
     ~Data();
 };
 VkFormat vk_format(Format format);
+VkImageAspectFlags image_aspect(Format format);
 
 struct Sampler::Data {
     VkSampler handle = nullptr;
@@ -254,8 +258,9 @@ struct AccelSizes::Data {
 
 // Owned by the device's cache: holds no DevicePtr of its own, the handles given out do.
 struct Program::Data {
-    ShaderCode code;  // of the compute shader or raygen, without its words
-    bool ray_tracing = false, scene_set = false;
+    ShaderCode code;  // of the compute shader or raygen, of both raster shaders; without words
+    VkPipelineBindPoint point = VK_PIPELINE_BIND_POINT_COMPUTE;
+    bool scene_set = false;
     VkShaderStageFlags push_stages = 0;
     VkDescriptorSetLayout set1 = nullptr;
     VkPipelineLayout layout = nullptr;
@@ -287,9 +292,11 @@ struct CommandList::Impl {
     CommandSlot slot;  // own lists only
     bool own = false;
     const Program::Data* bound = nullptr;
+    Extent target;  // of what begin_rendering() began
     std::vector<std::shared_ptr<Image::Data>> first_layouts;  // undone if the list is never submitted
     ~Impl();
     const DeviceFunctions& vk() const { return device->impl().vk; }
+    const Program::Data& bound_program(VkPipelineBindPoint point) const;  // the one bound last, which must be of that sort
     void memory_barrier(VkPipelineStageFlags2 before, VkAccessFlags2 before_access, VkPipelineStageFlags2 after, VkAccessFlags2 after_access);
     void blit(const Image& from, VkImage to, const Extent& extent, VkImageLayout layout);  // mip 0
 };
