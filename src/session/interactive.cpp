@@ -119,7 +119,7 @@ void Interactive::clear() {
     if (!view_) return;
     view_->clear_film();
     drawer_->restart();
-    preview_due_ = true;
+    preview_due_ = fresh_ = true;
 }
 
 void Interactive::set_camera(const SteeredCamera& camera) {
@@ -245,7 +245,18 @@ void Interactive::draw() {
     if (factor > 1) return draw_preview(factor);
     drawer_->record(*frame_, *scene_gpu_, trace_.way, *view_);
     // Until every pixel has a sample the preview is shown.
-    if (const FilmRows rows = drawer_->rows(); rows.samples > 0) show_film(*view_, rows);
+    if (const FilmRows rows = drawer_->rows(); rows.samples > 0 && is_due(rows)) {
+        show_film(*view_, rows);
+        shown_rows_ = rows;
+        fresh_ = false;
+    }
+}
+
+// A picture that only gets better is not shown every time that it does: a CPU has more to do with its time.
+bool Interactive::is_due(const FilmRows& rows) const {
+    constexpr std::chrono::milliseconds kOften(200);
+    if (fresh_ || show != shown_with_ || has_whole_frames()) return true;
+    return rows != shown_rows_ && (rows.samples >= options_.samples.end || std::chrono::steady_clock::now() - shown_at_ >= kOften);
 }
 
 // How much coarser a picture must be to be drawn while a person waits.
@@ -284,6 +295,8 @@ void Interactive::show_film(const View& view, const FilmRows& rows) {
     const gpu::Image hdr = passes::resolve(*frame_, film.sums, film.block, film.width, film.height, shown);
     picture_ = frame_->image("view/picture", hdr.extent(), gpu::Format::Rgba8Unorm);
     passes::tonemap(*frame_, hdr, picture_, scale, curve);
+    shown_with_ = show;
+    shown_at_ = std::chrono::steady_clock::now();
 }
 
 void Interactive::finish() {

@@ -95,6 +95,7 @@ private:
     void clear();
     void draw();
     void draw_preview(uint32_t factor);
+    bool is_due(const FilmRows& rows) const;
     void show_film(const View& view, const FilmRows& rows);
     uint32_t preview_factor() const;
     void write_picture();
@@ -113,6 +114,11 @@ private:
     std::unique_ptr<View> view_, preview_;
     std::unique_ptr<ViewDrawer> drawer_;
     bool preview_due_ = true;
+    // What the newest picture shows.
+    FilmRows shown_rows_;
+    ShowOptions shown_with_;
+    std::chrono::steady_clock::time_point shown_at_;
+    bool fresh_ = true;  // no picture of this film has been shown
     std::string layer_;
     gpu::Image picture_;  // the newest, in its own size
     bool meter_ = false;

@@ -116,7 +116,7 @@ const OptionSpec kOptions[] = {
     {.name = "--exr-type", .section = "Output", .commands = kDraw | kMerge, .kind = ValueKind::Choice, .value = "TYPE",
      .fallback = "half",
      .help = "numbers in the EXR", .choices = "half|float"},
-    {.name = "--aov", .section = "Picture", .commands = kView, .kind = ValueKind::Choice, .value = "NAME",
+    {.name = "--aov", .section = "Picture", .commands = kView, .kind = ValueKind::List, .value = "NAME",
      .help = "show a layer instead of the picture",
      .choices = "albedo|normal|emission|roughness|path.emission|path.direct_diffuse|path.direct_specular|path.indirect_diffuse|"
                 "path.indirect_specular|path.transmission"},
@@ -144,7 +144,8 @@ const OptionSpec kOptions[] = {
     {.name = "--present", .section = "Window", .commands = kView, .kind = ValueKind::Choice, .value = "MODE", .fallback = "fifo",
      .help = "fifo waits for the display, so that nothing tears; mailbox draws as fast as it can", .choices = "fifo|mailbox"},
     {.name = "--script", .section = "Window", .commands = kView, .kind = ValueKind::Text, .value = "STEP,STEP,...",
-     .help = "do this by itself, then close: spp=N and frames=N wait, size=WxH, renderer=NAME, layer=NAME, orbit=DEG, set=KEY=VALUE, "
+     .help = "do this by itself, then close: spp=N and frames=N wait, size=WxH, renderer=NAME, layer=NAME, camera=NAME, orbit=DEG, "
+             "set=KEY=VALUE, "
              "reload, save",
      .bits = kNotInPreset},
 

@@ -145,7 +145,9 @@ RenderOptions read_picture(const OptionValues& values) {
 RenderOptions read_view_options(const OptionValues& values) {
     RenderOptions options = read_picture(values);
     options.samples = {0, values.given("--spp") ? read_uint(values, "--spp") : 1u << 30};
-    if (values.given("--aov")) options.aovs = {values.text("--aov")};
+    if (values.given("--aov"))
+        options.aovs = expand_list(*find_option(values.command(), "--aov"), values.text("--aov"), values.where("--aov"));
+    if (options.aovs.size() > 1) throw Error(ErrorCode::Usage, "a window shows one layer", values.where("--aov"), "choose one; the panel has them all");
     return options;
 }
 

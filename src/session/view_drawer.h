@@ -14,6 +14,7 @@ struct FilmRows {
     uint64_t samples = 0;        // of every row,
     uint32_t rows_ahead = 0;     // but for so many at the top,
     uint64_t samples_ahead = 0;  // which have so many
+    friend bool operator==(const FilmRows&, const FilmRows&) = default;
 };
 
 class ViewDrawer {

@@ -17,7 +17,7 @@ protected:
         options.scene = "builtin:cornell";
         options.size = {24, 18};
         options.samples = {0, samples};
-        options.exposure_ev = 3;
+        options.exposure_ev = -1;
         options.trace = TraceChoice::Compute;
         return options;
     }

@@ -96,7 +96,7 @@ Panels::Input Panels::begin(Interactive& session, gpu::Swapchain& swapchain) {
     frame_seconds_ += (frame_seconds_ == 0 ? 1.0 : 0.1) * (now - frame_seconds_);
     if (shown) {
         ImGui::SetNextWindowPos({8, 8}, ImGuiCond_FirstUseEver);
-        ImGui::SetNextWindowSize({kWidth, 0}, ImGuiCond_FirstUseEver);
+        ImGui::SetNextWindowSize({kWidth, 0});  // as high as what it holds
         ImGui::SetNextWindowSizeConstraints({200, 0}, {1000, std::max(100.0f, ImGui::GetIO().DisplaySize.y - 16)});
         if (ImGui::Begin("Parhelion")) {
             show_state(session, swapchain);

@@ -13,7 +13,7 @@ namespace parhelion::view {
 namespace {
 
 constexpr std::string_view kOption = "--script";
-constexpr std::array<std::string_view, 9> kSteps = {"spp", "frames", "size", "renderer", "layer", "orbit", "set", "reload", "save"};
+constexpr std::array<std::string_view, 10> kSteps = {"spp", "frames", "size", "renderer", "layer", "camera", "orbit", "set", "reload", "save"};
 
 RendererKind renderer_of(const std::string& name) {
     if (name == "reference") return RendererKind::Reference;
@@ -58,6 +58,7 @@ void Script::act(const Step& step, Window& window, Interactive& session, Control
     if (step.name == "size") window.resize(parse_size(step.value, kOption));
     if (step.name == "renderer") session.set_renderer(renderer_of(step.value));
     if (step.name == "layer") session.set_layer(step.value == "picture" ? "" : step.value);
+    if (step.name == "camera") session.choose_camera(step.value == "start" ? "" : step.value);
     if (step.name == "reload") session.reload();
     if (step.name == "save") controls.save();
     if (step.name == "set") {

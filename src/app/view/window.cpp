@@ -14,10 +14,10 @@ namespace {
 
 constexpr const char* kNoWindowHint = "a window needs a display (X11: the variable DISPLAY); parhelion render needs none";
 
-std::string last_problem() {
+std::string last_problem(const char* otherwise = "the display does not answer") {
     const char* text = nullptr;
     glfwGetError(&text);
-    return text ? escape_name(text) : "the display does not answer";
+    return text ? escape_name(text) : otherwise;
 }
 
 }  // namespace
@@ -46,7 +46,7 @@ Window::~Window() {
 std::vector<std::string> Window::instance_extensions() const {
     uint32_t count = 0;
     const char** names = glfwGetRequiredInstanceExtensions(&count);
-    if (!names) throw Error(ErrorCode::MissingFeature, "Vulkan cannot draw to windows here: " + last_problem(), "Vulkan", "install a Vulkan driver with support for this display");
+    if (!names) throw Error(ErrorCode::MissingFeature, "Vulkan cannot draw to windows here: " + last_problem("no driver knows this display"), "Vulkan", "install a Vulkan driver (./dev brings one for the CPU)");
     return {names, names + count};
 }
 
