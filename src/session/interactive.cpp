@@ -21,6 +21,7 @@ namespace {
 
 constexpr double kSecondsOfUnknownCpu = 0.6;  // a sample of a picture that nobody has measured yet
 constexpr uint32_t kCoarsest = 8;             // pixels of the picture along the side of one of a preview
+constexpr uint32_t kPreviewSamples = 8;       // of it, if nothing moves, before the picture itself is begun
 
 gpu::Extent extent_of(Size2 size) { return {size.width, size.height, 1}; }
 
@@ -119,7 +120,8 @@ void Interactive::clear() {
     if (!view_) return;
     view_->clear_film();
     drawer_->restart();
-    preview_due_ = fresh_ = true;
+    preview_samples_ = 0;
+    fresh_ = true;
 }
 
 void Interactive::set_camera(const SteeredCamera& camera) {
@@ -240,9 +242,8 @@ void Interactive::draw() {
     }
     if (version_ != scene_gpu_->version() || (!accumulate && !drawer_->has_preview())) clear();
     version_ = scene_gpu_->version();
-    const uint32_t factor = preview_due_ ? preview_factor() : 1;
-    preview_due_ = false;
-    if (factor > 1) return draw_preview(factor);
+    if (preview_samples_ == 0) preview_factor_ = preview_factor();
+    if (preview_factor_ > 1 && preview_samples_ < kPreviewSamples) return draw_preview();
     drawer_->record(*frame_, *scene_gpu_, trace_.way, *view_);
     // Until every pixel has a sample the preview is shown.
     if (const FilmRows rows = drawer_->rows(); rows.samples > 0 && is_due(rows)) {
@@ -268,14 +269,14 @@ uint32_t Interactive::preview_factor() const {
     return std::clamp(static_cast<uint32_t>(factor), 1u, kCoarsest);
 }
 
-void Interactive::draw_preview(uint32_t factor) {
+void Interactive::draw_preview() {
     ViewDesc desc = view_->desc();
-    desc.width = std::max(1u, desc.width / factor);
-    desc.height = std::max(1u, desc.height / factor);
+    desc.width = std::max(1u, desc.width / preview_factor_);
+    desc.height = std::max(1u, desc.height / preview_factor_);
     if (!preview_ || preview_->desc().width != desc.width || preview_->desc().height != desc.height) preview_ = std::make_unique<View>(device_, desc);
-    else preview_->set_camera(desc.camera);
-    record_reference(*frame_, *scene_gpu_, trace_.way, *preview_, {0, desc.height, 0, 1}, false);
-    show_film(*preview_, {.samples = 1});
+    else if (preview_samples_ == 0) preview_->set_camera(desc.camera);
+    record_reference(*frame_, *scene_gpu_, trace_.way, *preview_, {0, desc.height, preview_samples_++, 1}, false);
+    show_film(*preview_, {.samples = preview_samples_});
 }
 
 void Interactive::show_film(const View& view, const FilmRows& rows) {

@@ -94,7 +94,7 @@ private:
     std::unique_ptr<ViewDrawer> make_drawer(RendererKind kind, const RenderSettings& settings) const;
     void clear();
     void draw();
-    void draw_preview(uint32_t factor);
+    void draw_preview();
     bool is_due(const FilmRows& rows) const;
     void show_film(const View& view, const FilmRows& rows);
     uint32_t preview_factor() const;
@@ -113,7 +113,7 @@ private:
     uint64_t version_ = 0;  // of the scene in the film
     std::unique_ptr<View> view_, preview_;
     std::unique_ptr<ViewDrawer> drawer_;
-    bool preview_due_ = true;
+    uint32_t preview_samples_ = 0, preview_factor_ = 1;  // drawn since the film was cleared, and how coarse
     // What the newest picture shows.
     FilmRows shown_rows_;
     ShowOptions shown_with_;
@@ -125,7 +125,7 @@ private:
     std::vector<std::filesystem::path> to_save_;
     std::vector<PassTime> passes_;
     double frame_seconds_ = 0;
-    std::chrono::steady_clock::time_point last_finish_;
+    std::chrono::steady_clock::time_point last_finish_ = std::chrono::steady_clock::now();
     std::string note_;
 };
 
