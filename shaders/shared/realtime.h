@@ -51,9 +51,7 @@ struct RealtimeFrame {
     float exposure;     // stored radiance is nits times this
     uint candidates;    // light samples that the first surface's one is chosen from
     uint tiles;         // 1: they come from light tiles
-    float cell_spread;  // radians: the world cache's footprint of a path is this times its length
-    uint path_bounces;  // scatterings after which a path must end in the cache
-    uint cache;         // 1: paths may end there
+    uint path_bounces;  // scatterings after which a path ends in the cache whatever it meets
 };
 
 SHARED_END

@@ -71,6 +71,7 @@ std::shared_ptr<Device> Device::borrow(const BorrowedDevice& handles) {
     caps.block_compression = caps.block_compression && handles.enabled_block_compression;
     caps.raster = caps.raster && handles.enabled_raster && impl.physical.queue_has_graphics;
     caps.draw_indirect_count = caps.raster && caps.draw_indirect_count && handles.enabled_draw_indirect_count;
+    caps.buffer_int64_atomics = caps.buffer_int64_atomics && handles.enabled_buffer_int64_atomics;
     choose_best({caps});  // throws with what is missing
     device->caps_ = caps;
     impl.device = handles.device;

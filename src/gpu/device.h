@@ -27,6 +27,7 @@ struct DeviceCaps {
     bool block_compression = false;  // images of the formats BC1 to BC7
     bool raster = false;               // raster programs: the queue draws, dynamic rendering, lists of indirect draws
     bool draw_indirect_count = false;  // their number can come from a buffer too
+    bool buffer_int64_atomics = false;  // shaderBufferInt64Atomics
     uint32_t subgroup_size = 0;
     bool subgroup_ballot = false;  // in compute shaders
     uint32_t shader_group_handle_size = 0, shader_group_handle_alignment = 0, shader_group_base_alignment = 0;
@@ -60,6 +61,7 @@ struct BorrowedDevice {
     bool enabled_block_compression = false;  // the feature textureCompressionBC
     bool enabled_raster = false;  // dynamicRendering, multiDrawIndirect and drawIndirectFirstInstance
     bool enabled_draw_indirect_count = false;  // drawIndirectCount
+    bool enabled_buffer_int64_atomics = false;  // the feature shaderBufferInt64Atomics
     void* (*get_instance_proc_addr)(VkInstance, const char*) = nullptr;  // null: the system loader
 };
 // Names of the device extensions to enable when making a device for us to borrow; the optional ray tracing ones included

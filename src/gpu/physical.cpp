@@ -262,6 +262,7 @@ PhysicalDevice inspect(const Instance& instance, VkPhysicalDevice handle, uint32
     caps.block_compression = has.core.features.textureCompressionBC;
     caps.raster = !mask.raster && out.queue_has_graphics && has.v13.dynamicRendering && has.core.features.multiDrawIndirect && has.core.features.drawIndirectFirstInstance;
     caps.draw_indirect_count = !mask.draw_count && caps.raster && has.v12.drawIndirectCount;
+    caps.buffer_int64_atomics = has.v12.shaderBufferInt64Atomics;
     caps.shader_float64 = has.core.features.shaderFloat64;
     Properties properties(push, caps.ray_pipeline || caps.ray_query, caps.ray_pipeline);
     instance.vk.vkGetPhysicalDeviceProperties2(handle, &properties.core);

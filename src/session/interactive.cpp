@@ -100,11 +100,7 @@ void Interactive::set_up_scene() {
 }
 
 std::unique_ptr<ViewDrawer> Interactive::make_drawer(RendererKind kind, const RenderSettings& settings) const {
-    const DrawerOptions options{.kind = kind,
-                                .size = options_.size,
-                                .max_samples = options_.samples.end,
-                                .exposure = static_cast<float>(image::exposure_scale_from_ev100(show.exposure_ev))};
-    return make_view_drawer(device_, options, settings);
+    return make_view_drawer(device_, {.kind = kind, .size = options_.size, .max_samples = options_.samples.end}, settings);
 }
 
 void Interactive::set_up_view() {
@@ -237,13 +233,13 @@ void Interactive::draw() {
     if (meter_ && progress_.complete) {
         show.exposure_ev = meter_scene(device_, *frame_, *scene_gpu_, trace_.way, view_->desc());
         meter_ = false;
-        set_renderer(options_.renderer);  // some keep light in few bits, about this exposure
         log(LogLevel::Info, "exposure EV100 {:.2f}, metered from the scene", show.exposure_ev);
     }
     if (version_ != scene_gpu_->version() || (!accumulate && !drawer_->has_preview())) clear();
     version_ = scene_gpu_->version();
     if (preview_samples_ == 0) preview_factor_ = preview_factor();
     if (preview_factor_ > 1 && preview_samples_ < kPreviewSamples) return draw_preview();
+    drawer_->set_exposure(static_cast<float>(image::exposure_scale_from_ev100(show.exposure_ev)));
     drawer_->record(*frame_, *scene_gpu_, trace_.way, *view_);
     // Until every pixel has a sample the preview is shown.
     if (const FilmRows rows = drawer_->rows(); rows.samples > 0 && is_due(rows)) {

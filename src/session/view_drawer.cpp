@@ -116,7 +116,11 @@ public:
     void ran(double) override {}
     FilmRows rows() const override { return {.samples = samples_}; }
     double seconds_per_sample() const override { return 0; }
-    void restart() override { samples_ = 0; }
+    void restart() override { samples_ = 0; }  // its history goes on
+    void set_exposure(float exposure) override {
+        options_.exposure = exposure;
+        if (renderer_) renderer_->set_exposure(exposure);
+    }
     bool has_preview() const override { return false; }
 
 private:
@@ -132,7 +136,7 @@ std::unique_ptr<ViewDrawer> make_view_drawer(const gpu::DevicePtr& device, const
     switch (options.kind) {
         case RendererKind::Reference: return std::make_unique<ReferenceDrawer>(options.size, options.max_samples);
         case RendererKind::Wavefront: return std::make_unique<WavefrontDrawer>(device, wavefront_options(settings), options.size, options.max_samples);
-        case RendererKind::Realtime: return std::make_unique<RealtimeDrawer>(device, RealtimeOptions{.exposure = options.exposure}, options.max_samples);
+        case RendererKind::Realtime: return std::make_unique<RealtimeDrawer>(device, realtime_options(settings), options.max_samples);
     }
     throw Error(ErrorCode::Failed, "there is no such renderer", "--renderer");
 }

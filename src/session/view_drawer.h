@@ -30,6 +30,8 @@ public:
     virtual double seconds_per_sample() const = 0;
     // The film has been cleared: begins anew.
     virtual void restart() = 0;
+    // About 1 over the nits of white: renderers that keep light in few bits keep it times this.
+    virtual void set_exposure(float) {}
     // False: its first frame is whole and fast enough, so that a camera's move needs no coarser picture in front of it.
     virtual bool has_preview() const { return true; }
 };
@@ -40,7 +42,6 @@ struct DrawerOptions {
     RendererKind kind = RendererKind::Reference;
     Size2 size;
     uint64_t max_samples = 0;  // a picture ends after so many
-    float exposure = 1.0f;     // about 1 over the nits of white: renderers that keep light in few bits keep it times this
 };
 
 // Adding a renderer: a class in view_drawer.cpp and a line in this function. Throws Error if the device or the settings do not let it draw.

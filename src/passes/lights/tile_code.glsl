@@ -1,6 +1,7 @@
 // What a light tile says of its samples, coarsely, and the numbers from which a sample is made again.
 #ifndef PARHELION_LIGHTS_TILE_CODE_GLSL
 #define PARHELION_LIGHTS_TILE_CODE_GLSL
+#include "lib/log_code.glsl"
 #include "lib/octahedral.glsl"
 #include "scene/lights.glsl"
 #include "shared/realtime.h"
@@ -11,12 +12,6 @@ vec4 tile_numbers(uint place, uint frame_index, uint seed, uint which) {
     const uvec4 h = pcg4d(uvec4(place, frame_index, seed ^ kTileSalt, which));
     return vec4(uint_to_unit_float(h.x), uint_to_unit_float(h.y), uint_to_unit_float(h.z), uint_to_unit_float(h.w));
 }
-
-// A value > 0 never becomes 0: the code must not lose light.
-uint log_code(float x) { return x > 0.0 ? uint(clamp(1.0 + round((log2(x) + 40.0) * (510.0 / 80.0)), 1.0, 511.0)) : 0u; }
-float log_value(uint code) { return code == 0u ? 0.0 : exp2((float(code) - 1.0) * (80.0 / 510.0) - 40.0); }
-uint log_code(vec3 x) { return log_code(x.r) | (log_code(x.g) << 9) | (log_code(x.b) << 18); }
-vec3 log_values(uint bits) { return vec3(log_value(bits & 511u), log_value(bits >> 9 & 511u), log_value(bits >> 18 & 511u)); }
 
 // How a sample looks from x: about its radiance over its density there, and that density.
 struct TileView {

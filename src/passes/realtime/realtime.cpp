@@ -10,6 +10,10 @@ struct LightPush {
     uint64_t view, block, rays, tiles, diffuse, specular, emission, distances;
     shared::RealtimeFrame frame;
 };
+struct LightInCachePush {
+    uint64_t view, block, rays, tiles, cache, diffuse, specular, emission, distances;
+    shared::RealtimeFrame frame;
+};
 struct CompositePush {
     uint64_t view, block, diffuse, specular, emission;
     float nits;
@@ -25,10 +29,11 @@ Signals make_signals(const gpu::DevicePtr& device, uint64_t pixels) {
             .distances = buffer("realtime/distances", sizeof(uint32_t))};
 }
 
-void light(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const Film& film, const GBuffer& gbuffer, const gpu::Buffer& tiles, const Signals& signals,
-           const shared::RealtimeFrame& settings) {
-    frame.trace("realtime/light", way, (scene.features() & shared::kSceneLayers) != 0 ? "+LAYERS" : "")
-        .scene(scene.binding())
+void light(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const Film& film, const GBuffer& gbuffer, const gpu::Buffer& tiles, const gpu::Buffer* cache,
+           const Signals& signals, const shared::RealtimeFrame& settings) {
+    const std::string variant = std::string((scene.features() & shared::kSceneLayers) != 0 ? "+LAYERS" : "") + (cache != nullptr ? "+CACHE" : "");
+    Pass pass = frame.trace("realtime/light", way, variant);
+    pass.scene(scene.binding())
         .read("view", film.view)
         .read("identity", gbuffer.identity)
         .read("summary", gbuffer.summary)
@@ -38,9 +43,10 @@ void light(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const Film& f
         .write("diffuse", signals.diffuse)
         .write("specular", signals.specular)
         .write("emission", signals.emission)
-        .write("distances", signals.distances)
-        .push(LightPush{.frame = settings})
-        .over(gbuffer.identity.extent());
+        .write("distances", signals.distances);
+    if (cache != nullptr) pass.read_write("cache", *cache).push(LightInCachePush{.frame = settings});
+    else pass.push(LightPush{.frame = settings});
+    pass.over(gbuffer.identity.extent());
 }
 
 void composite(Frame& frame, const Film& film, const GBuffer& gbuffer, const Signals& signals, float exposure) {

@@ -12,8 +12,9 @@ struct Signals {
 };
 Signals make_signals(const gpu::DevicePtr& device, uint64_t pixels);
 
-void light(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const Film& film, const GBuffer& gbuffer, const gpu::Buffer& tiles, const Signals& signals,
-           const shared::RealtimeFrame& settings);
+// `cache`: LightCache::buffer(), where paths may end in it.
+void light(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const Film& film, const GBuffer& gbuffer, const gpu::Buffer& tiles, const gpu::Buffer* cache,
+           const Signals& signals, const shared::RealtimeFrame& settings);
 
 // The picture, as one sample of the film.
 void composite(Frame& frame, const Film& film, const GBuffer& gbuffer, const Signals& signals, float exposure);
