@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "base/error.h"
 #include "base/log.h"
@@ -148,7 +149,7 @@ gpu::Ticket Frame::submit() {
     gpu::CommandList commands(device_);
     record(commands);
     try {
-        return in_flight_.back().ticket = gpu::submit(device_, std::move(commands));
+        return in_flight_.back().ticket = gpu::submit(device_, std::move(commands), std::exchange(window_, nullptr));
     } catch (const Error& error) {
         report_loss(error);
     }

@@ -169,6 +169,9 @@ public:
     // Rows [first_row, first_row + rows) of one level, tightly packed.
     std::span<std::byte> upload_rows_in_place(const gpu::Image& to, uint32_t mip, uint32_t first_row, uint32_t rows);
     void make_mips(const gpu::Image& image);
+    void scale(const gpu::Image& from, const gpu::Image& to);  // the whole of it, linear filter where sizes differ
+    // Into the image that the window has taken, which submit() then shows: the last pass of a frame that is submitted.
+    void show(const gpu::Image& from, gpu::Swapchain& window);
     void fill(const gpu::Buffer& buffer, uint32_t value);
     void copy(const gpu::Buffer& from, uint64_t from_offset, const gpu::Buffer& to, uint64_t to_offset, uint64_t bytes);
     gpu::Buffer read_back(const gpu::Buffer& from);  // mapped copy, valid after completion
@@ -240,6 +243,7 @@ private:
     double gpu_ms_ = 0;
     std::vector<std::string> complaints_;
     gpu::Buffer marker_;
+    gpu::Swapchain* window_ = nullptr;  // that this frame is shown in
     uint32_t barrier_count_ = 0;
     uint64_t serial_ = 1, recorded_serial_ = 0;
 };

@@ -13,6 +13,9 @@
 
 namespace parhelion::gpu {
 
+class Swapchain;
+using Ticket = uint64_t;  // of a submission
+
 // Descriptor set 0, equal for every program that sees the scene: binding 0 top level now, 1 top level before (both only on
 // devices with acceleration structures), 2 scene header (storage buffer), 3 textures[] (combined image samplers).
 class SceneSet {
@@ -132,6 +135,9 @@ public:
     void copy_from_image(const Image& from, const Buffer& to, uint64_t offset);
     void fill(const Buffer& buffer, uint64_t offset, uint64_t bytes, uint32_t value);
     void blit_mip(const Image& image, uint32_t from_mip);  // linear filter into from_mip + 1
+    void scale(const Image& from, const Image& to);        // the whole of it, linear filter where sizes differ; formats are converted
+    // Into the image that the window has taken (gpu/swapchain.h), scaled to its size; ready to be shown.
+    void copy_to_window(const Image& from, const Swapchain& to);
 
     // They may run side by side, each in its own part of `scratch`, which follow one another from offset 0.
     void build_blas(std::span<const BlasBuild> builds, const Buffer& scratch);
@@ -153,8 +159,8 @@ private:
 
 // Submits an own command list; the returned ticket tells when it is done. Resources referenced by the list must live until
 // then (Frame keeps them). Throws Error on device loss.
-using Ticket = uint64_t;
-Ticket submit(const DevicePtr& device, CommandList&& commands);
+// With a window it waits for the image that the window has taken, which the list fills, and shows it when it is done.
+Ticket submit(const DevicePtr& device, CommandList&& commands, Swapchain* window = nullptr);
 bool is_done(const DevicePtr& device, Ticket ticket);
 // Waits for completion, at most timeout_seconds (then false). Throws Error on device loss.
 bool wait(const DevicePtr& device, Ticket ticket, double timeout_seconds = 600.0);

@@ -111,6 +111,18 @@ void CommandList::blit_mip(const Image& image, uint32_t from_mip) {
     impl_->vk().vkCmdBlitImage(impl_->buffer, handle, VK_IMAGE_LAYOUT_GENERAL, handle, VK_IMAGE_LAYOUT_GENERAL, 1, &region, VK_FILTER_LINEAR);
 }
 
+void CommandList::Impl::blit(const Image& from, VkImage to, const Extent& extent, VkImageLayout layout) {
+    if (!device->impl().physical.queue_has_graphics) throw Error(ErrorCode::MissingFeature, "its queue cannot scale images", device->caps().name);
+    VkImageBlit region{};
+    region.srcSubresource = region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    region.srcOffsets[1] = {static_cast<int32_t>(from.extent().width), static_cast<int32_t>(from.extent().height), 1};
+    region.dstOffsets[1] = {static_cast<int32_t>(extent.width), static_cast<int32_t>(extent.height), 1};
+    const VkFilter filter = from.extent() == extent ? VK_FILTER_NEAREST : VK_FILTER_LINEAR;
+    vk().vkCmdBlitImage(buffer, from.data()->handle, VK_IMAGE_LAYOUT_GENERAL, to, layout, 1, &region, filter);
+}
+
+void CommandList::scale(const Image& from, const Image& to) { impl_->blit(from, to.data()->handle, to.extent(), VK_IMAGE_LAYOUT_GENERAL); }
+
 void CommandList::build_blas(std::span<const BlasBuild> builds, const Buffer& scratch) {
     std::vector<BlasInfo> infos(builds.size());
     std::vector<VkAccelerationStructureBuildGeometryInfoKHR> headers;

@@ -29,7 +29,9 @@ namespace parhelion::gpu {
     X(vkDestroyInstance) X(vkEnumeratePhysicalDevices) X(vkEnumerateDeviceExtensionProperties) X(vkGetPhysicalDeviceProperties)   \
     X(vkGetPhysicalDeviceProperties2) X(vkGetPhysicalDeviceFeatures2) X(vkGetPhysicalDeviceMemoryProperties)                      \
     X(vkGetPhysicalDeviceMemoryProperties2) X(vkGetPhysicalDeviceQueueFamilyProperties) X(vkGetPhysicalDeviceFormatProperties2)   \
-    X(vkCreateDevice) X(vkGetDeviceProcAddr) X(vkCreateDebugUtilsMessengerEXT) X(vkDestroyDebugUtilsMessengerEXT)
+    X(vkCreateDevice) X(vkGetDeviceProcAddr) X(vkCreateDebugUtilsMessengerEXT) X(vkDestroyDebugUtilsMessengerEXT)                 \
+    X(vkDestroySurfaceKHR) X(vkGetPhysicalDeviceSurfaceSupportKHR) X(vkGetPhysicalDeviceSurfaceCapabilitiesKHR)                   \
+    X(vkGetPhysicalDeviceSurfaceFormatsKHR) X(vkGetPhysicalDeviceSurfacePresentModesKHR)
 
 // The first lines are core 1.3 and always there; the others are null where their extension is not enabled.
 #define PARHELION_DEVICE_FUNCTIONS(X)                                                                                             \
@@ -55,7 +57,8 @@ namespace parhelion::gpu {
     X(vkCreateAccelerationStructureKHR) X(vkDestroyAccelerationStructureKHR) X(vkGetAccelerationStructureBuildSizesKHR)           \
     X(vkGetAccelerationStructureDeviceAddressKHR) X(vkCmdBuildAccelerationStructuresKHR) X(vkCreateRayTracingPipelinesKHR)        \
     X(vkGetRayTracingShaderGroupHandlesKHR) X(vkCmdTraceRaysKHR) X(vkCmdTraceRaysIndirectKHR)                                     \
-    X(vkCmdCopyAccelerationStructureKHR) X(vkCmdWriteAccelerationStructuresPropertiesKHR)
+    X(vkCmdCopyAccelerationStructureKHR) X(vkCmdWriteAccelerationStructuresPropertiesKHR)                                         \
+    X(vkCreateSwapchainKHR) X(vkDestroySwapchainKHR) X(vkGetSwapchainImagesKHR) X(vkAcquireNextImageKHR) X(vkQueuePresentKHR)
 
 #define PARHELION_FUNCTION_MEMBER(name) PFN_##name name = nullptr;
 struct InstanceFunctions {
@@ -88,8 +91,8 @@ struct Instance {
     std::vector<VkPhysicalDevice> physical_devices() const;
 };
 PFN_vkGetInstanceProcAddr system_loader();  // nullptr: no Vulkan loader on this machine
-// Throws Error MissingFeature without loader, driver or (validate) layers.
-std::shared_ptr<Instance> create_instance(bool validate);
+// Throws Error MissingFeature without loader, driver, (validate) layers or one of the extensions.
+std::shared_ptr<Instance> create_instance(bool validate, std::span<const std::string> more_extensions = {});
 std::shared_ptr<Instance> borrow_instance(VkInstance handle, PFN_vkGetInstanceProcAddr get);
 
 // Every feature structure that we look at, chained for a query or for vkCreateDevice.
@@ -120,7 +123,8 @@ struct PhysicalDevice {
     FeatureChain enabled;                 // not linked
     std::vector<std::string> extensions;  // to enable
 };
-PhysicalDevice inspect(const Instance& instance, VkPhysicalDevice handle, uint32_t index, bool mask_ray_tracing);
+// `windows`: it must be able to show pictures in windows.
+PhysicalDevice inspect(const Instance& instance, VkPhysicalDevice handle, uint32_t index, bool mask_ray_tracing, bool windows = false);
 void use_queue_family(const Instance& instance, uint32_t family, PhysicalDevice& out);
 // The device to open. Throws Usage for an unknown selector (`where` says who gave it), MissingFeature if none is usable.
 size_t choose(const std::vector<DeviceCaps>& devices, std::string_view selector, std::string_view where = "--device");
@@ -294,6 +298,7 @@ struct CommandList::Impl {
     const DeviceFunctions& vk() const { return device->impl().vk; }
     const Program::Data& bound_program(VkPipelineBindPoint point) const;  // the one bound last, which must be of that sort
     void memory_barrier(VkPipelineStageFlags2 before, VkAccessFlags2 before_access, VkPipelineStageFlags2 after, VkAccessFlags2 after_access);
+    void blit(const Image& from, VkImage to, const Extent& extent, VkImageLayout layout);  // mip 0
 };
 
 struct StageAccess {

@@ -50,6 +50,8 @@ public:
     uint64_t slice_paths(const View& view) const;
     // The slice to draw next; the one before must be finished.
     void start(const shared::Slice& slice);
+    // Gives the running slice up: the film that it was drawn into must be cleared.
+    void abandon() { slice_.reset(); }
     // Records some iterations of the running slice. Only records: no submit, no wait. The scene must be drawable.
     void record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, View& view);
     // After that frame has run, in so many seconds: true if the slice is finished. Frames grow or shrink to about `target_seconds`.

@@ -77,10 +77,10 @@ RealtimeBenchRow run_realtime_bench(const std::string& scene, const RealtimeBenc
     const float aspect = static_cast<float>(options.size.width) / static_cast<float>(options.size.height);
     Frame frame(device);
     const bool hardware = options.way != gpu::TraceWay::Compute;
-    SceneGpu on_device(device, {.hardware = hardware, .own_bvh = !hardware, .node_layout = options.settings.node_layout, .bvh_loop = options.settings.bvh_loop});
+    SceneGpu on_device(device, {.hardware = hardware, .own_bvh = !hardware, .node_layout = options.settings.node_layout, .bvh_loop = options.settings.bvh_loop, .raster = options.settings.gbuffer_mode == GBufferMode::Raster});
     on_device.sync(loaded.scene);
     on_device.finish(frame);
-    const ViewDesc desc{.width = options.size.width, .height = options.size.height, .camera = shader_camera(camera, aspect), .sampler = SamplerKind::Pcg, .filter = PixelFilter::Point};
+    const ViewDesc desc{.width = options.size.width, .height = options.size.height, .camera = shader_camera(camera, aspect), .filter = PixelFilter::Point};
     View view(device, desc);
     RealtimeOptions realtime_settings = realtime_options(options.settings);
     realtime_settings.exposure = static_cast<float>(image::exposure_scale_from_ev100(meter_scene(device, frame, on_device, options.way, desc)));

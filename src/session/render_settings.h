@@ -34,6 +34,7 @@ struct RenderSettings {
     Switch wavefront_classes = Switch::On;
     uint32_t wavefront_memory_mb = 512;
     RealtimeReuse realtime_reuse = RealtimeReuse::None;
+    GBufferMode gbuffer_mode = GBufferMode::Auto;
     Switch realtime_cache = Switch::On, realtime_tiles = Switch::On;
     uint32_t realtime_candidates = 8, realtime_path_bounces = 3;
     CacheOptions cache;
@@ -87,6 +88,7 @@ void visit(V&& v, RenderSettings& s) {
             "one kernel of Shade for all materials, or one for each class of them");
     v.field("wavefront.memory_mb", s.wavefront_memory_mb, range(1, 1 << 20), "most that what waits for wavefront.connect=once may take, and as much for finished samples");
     v.field("realtime.reuse", s.realtime_reuse, choices({"full", "none", "unbiased"}), "reservoirs that share samples between pixels and frames; only none so far: each pixel's light is its own");
+    v.field("gbuffer.mode", s.gbuffer_mode, choices({"auto", "raster", "trace"}), "what the realtime renderer finds the triangles under pixels with; auto: the faster one for devices of this class");
     v.field("realtime.cache", s.realtime_cache, choices({"off", "on"}), "paths end in the world cache, or go to their full depth (--max-bounces)");
     v.field("realtime.tiles", s.realtime_tiles, choices({"off", "on"}), "the first surface's light is chosen among candidates out of light tiles, or sampled as by the reference");
     v.field("realtime.candidates", s.realtime_candidates, range(1, 64), "light samples that the first surface's one is chosen from");
@@ -114,7 +116,8 @@ inline void check_realtime(const RenderSettings& s) {
 }
 
 inline RealtimeOptions realtime_options(const RenderSettings& s) {
-    return {.candidates = s.realtime_candidates,
+    return {.gbuffer = s.gbuffer_mode,
+            .candidates = s.realtime_candidates,
             .tiles = s.realtime_tiles == Switch::On,
             .cache = s.realtime_cache == Switch::On,
             .path_bounces = s.realtime_path_bounces,

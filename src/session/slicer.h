@@ -28,6 +28,7 @@ public:
     std::vector<uint64_t> samples_of_rows() const;
     // Rows of the running samples are missing, and these samples end a block: rows would differ in their number of blocks.
     bool inside_block_end() const;
+    uint64_t budget() const { return static_cast<uint64_t>(budget_); }  // pixel-samples of the next slice
     double done_work() const { return done_work_; }  // pixel-samples
     double total_work() const { return total_work_; }
 

@@ -26,7 +26,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"passes", {"base", "gpu", "frame", "scene_gpu", "scene"}},
     {"renderers", {"base", "scene", "frame", "scene_gpu", "passes"}},
     {"session", {"base", "image", "scene", "gpu", "renderers"}},
-    {"app", {"session", "base", "image", "scene", "gpu", "frame", "renderers"}},
+    {"app", {"session", "base", "image", "scene", "gpu", "frame", "passes", "renderers"}},
 };
 
 std::vector<std::string> quoted_includes(const fs::path& file) {
