@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <random>
 
+#include "passes/gbuffer/gbuffer.h"
 #include "passes/gbuffer/raster.h"
 #include "scene/builtin/scenes.h"
 #include "scene/shapes.h"
@@ -12,8 +13,6 @@
 
 namespace parhelion::testing {
 namespace {
-
-using Id = glm::uvec3;  // instance without its kind, geometry, primitive
 
 const SceneGpuOptions kRaster{.raster = true};
 
@@ -34,7 +33,7 @@ public:
     Viewer(Stage& stage, const CameraView& camera, uint32_t width, uint32_t height, uint32_t seed = 0)
         : stage_(stage),
           aspect_(static_cast<float>(width) / static_cast<float>(height)),
-          view_(stage.frame.device(), {.width = width, .height = height, .camera = shader_camera(camera, aspect_), .seed = seed, .aovs = {"ids"}}) {}
+          view_(stage.frame.device(), {.width = width, .height = height, .camera = shader_camera(camera, aspect_), .seed = seed, .filter = PixelFilter::Point}) {}
 
     void set_camera(const CameraView& camera) { view_.set_camera(shader_camera(camera, aspect_)); }
     gpu::Extent extent() const { return {view_.desc().width, view_.desc().height}; }
@@ -52,18 +51,15 @@ public:
         const auto w = words.mapped_as<uint32_t>();
         return {w.begin(), w.end()};
     }
-    std::vector<Id> traced(gpu::TraceWay way = gpu::TraceWay::Compute) {
+    std::vector<uint32_t> traced(uint32_t frame_index = 0) {
         stage_.scene_gpu.finish(stage_.frame);
         view_.prepare(stage_.frame);
-        passes::first_hit(stage_.frame, stage_.scene_gpu, way, view_.film(), 0, extent().height);
-        const gpu::Buffer hits = stage_.frame.read_back(view_.film().first_hits);
+        passes::GBuffer gbuffer{.identity = stage_.frame.image("test/identity", extent(), gpu::Format::Rgba32Uint)};
+        passes::trace_identity(stage_.frame, stage_.scene_gpu, gpu::TraceWay::Compute, view_.film(), gbuffer, frame_index);
+        const gpu::Buffer words = stage_.frame.read_back(gbuffer.identity);
         stage_.frame.run();
-        const size_t plane = size_t(extent().width) * extent().height;
-        const auto words = hits.mapped_as<uint32_t>();
-        std::vector<Id> out(plane);
-        for (size_t p = 0; p < plane; ++p)
-            out[p] = {words[shared::kFirstHitInstance * plane + p], words[shared::kFirstHitGeometry * plane + p], words[shared::kFirstHitPrimitive * plane + p]};
-        return out;
+        const auto w = words.mapped_as<uint32_t>();
+        return {w.begin(), w.end()};
     }
     // Of the last raster(): geometries drawn in its first and its second pass.
     uint32_t drawn(bool second) const { return counts_.drawn[second ? 3 : 0] + counts_.drawn[second ? 4 : 1] + counts_.drawn[second ? 5 : 2]; }
@@ -76,33 +72,28 @@ private:
     shared::RasterCounts counts_{};
 };
 
-std::vector<Id> ids_of(const std::vector<uint32_t>& words) {
-    std::vector<Id> out(words.size() / 4);
-    for (size_t p = 0; p < out.size(); ++p)
-        out[p] = words[4 * p] == shared::kHitMiss ? Id(~0u) : Id(words[4 * p] & shared::kHitInstanceMask, words[4 * p + 1], words[4 * p + 2]);
-    return out;
-}
-
 // Equal ids at a share of at least `least` of the pixels, and at the others a neighbour with another id: they lie at an outline.
-void expect_same_ids(const std::vector<Id>& raster, const std::vector<Id>& traced, gpu::Extent extent, const std::string& what, double least = 0.995) {
+void expect_same_ids(const std::vector<uint32_t>& raster, const std::vector<uint32_t>& traced, gpu::Extent extent, const std::string& what, double least = 0.995) {
+    const size_t pixels = size_t(extent.width) * extent.height;
+    const auto differ = [](const std::vector<uint32_t>& a, size_t p, const std::vector<uint32_t>& b, size_t q) { return !std::equal(a.begin() + 4 * p, a.begin() + 4 * p + 4, b.begin() + 4 * q); };
     size_t same = 0, inside = 0, seen = 0;
-    for (size_t p = 0; p < traced.size(); ++p) {
-        seen += traced[p].x != ~0u;
-        if (raster[p] == traced[p]) {
+    for (size_t p = 0; p < pixels; ++p) {
+        seen += traced[4 * p] != shared::kHitMiss;
+        if (!differ(raster, p, traced, p)) {
             ++same;
             continue;
         }
         const int x = static_cast<int>(p % extent.width), y = static_cast<int>(p / extent.width);
         bool outline = false;
         for (int v = std::max(y - 1, 0); v <= std::min(y + 1, static_cast<int>(extent.height) - 1); ++v)
-            for (int u = std::max(x - 1, 0); u <= std::min(x + 1, static_cast<int>(extent.width) - 1); ++u) outline |= traced[static_cast<size_t>(v) * extent.width + static_cast<size_t>(u)] != traced[p];
+            for (int u = std::max(x - 1, 0); u <= std::min(x + 1, static_cast<int>(extent.width) - 1); ++u) outline |= differ(traced, static_cast<size_t>(v) * extent.width + static_cast<size_t>(u), traced, p);
         inside += !outline;
     }
-    const double share = double(same) / double(traced.size());
+    const double share = double(same) / double(pixels);
     ::testing::Test::RecordProperty(what, std::to_string(share));
     EXPECT_GE(share, least) << what;
     EXPECT_EQ(inside, 0u) << what << ": pixels that differ and touch no outline";
-    EXPECT_GT(seen, traced.size() / 20) << what << " shows next to nothing";
+    EXPECT_GT(seen, pixels / 20) << what << " shows next to nothing";
 }
 
 glm::mat4 placed(glm::vec3 at, glm::vec3 scale = glm::vec3(1.0f)) {
@@ -177,7 +168,7 @@ protected:
     void compare(Stage& stage, const CameraView& camera, const std::string& what, uint32_t width = 160, uint32_t height = 120) {
         Viewer viewer(stage, camera, width, height);
         passes::RasterHistory history;
-        expect_same_ids(ids_of(viewer.raster(history)), viewer.traced(), viewer.extent(), what);
+        expect_same_ids(viewer.raster(history, {}, 3), viewer.traced(3), viewer.extent(), what);
     }
 };
 
@@ -233,7 +224,7 @@ TEST_F(RasterIdentity, draws_another_choice_of_blended_triangles_with_every_fram
     EXPECT_EQ(first, again);
     EXPECT_NE(first, second);
     EXPECT_NE(first, seed);
-    expect_same_ids(ids_of(seed), other.traced(), other.extent(), "another seed");
+    expect_same_ids(seed, other.traced(), other.extent(), "another seed");
 }
 
 TEST_F(RasterIdentity, is_the_same_with_and_without_occlusion_culling_whatever_moves) {
@@ -319,7 +310,8 @@ TEST_F(RasterIdentity, an_empty_scene_shows_nothing) {
     Stage stage(make_scene({}), kRaster);
     Viewer viewer(stage, look_at({0, 0, 4}, {0, 0, 0}, 1.0f), 32, 32);
     passes::RasterHistory history;
-    for (const Id& id : ids_of(viewer.raster(history))) ASSERT_EQ(id.x, ~0u);
+    const std::vector<uint32_t> words = viewer.raster(history);
+    for (size_t p = 0; p < words.size(); ++p) ASSERT_EQ(words[p], p % 4 == 0 ? shared::kHitMiss : 0u);
 }
 
 TEST_F(RasterIdentity, each_barrier_left_out_draws_a_complaint_and_full_barriers_change_nothing) {
