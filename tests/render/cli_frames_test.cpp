@@ -1,6 +1,8 @@
 // Sequences by the program as a process: names, numbers, interruption, and `compare` of two of them.
 #include <csignal>
 
+#include <fmt/format.h>
+
 #include <gtest/gtest.h>
 
 #include "support/gpu_fixture.h"

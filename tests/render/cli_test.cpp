@@ -100,7 +100,7 @@ TEST_F(Cli, wrong_usage_exits_with_2_and_leaves_nothing) {
     expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr"), "--size", "0x4"}), 2, "--size: 0x4 is out of range");
     expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr"), "--renderer", "realtime"}), 2, "not built into this version");
     expect_error(run_parhelion({"render", "builtin:cornell", "--out", file("a.exr"), "--frames", "3"}), 2,
-                 "--frames: it does not fit --renderer reference (use --spp N");
+                 "--out: a path tracer's frames are pictures of their own (name them --out NAME.####.exr)");
     expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr"), "--set", "sampler.kin=pcg"}), 2,
                  "there is no setting 'sampler.kin' (did you mean sampler.kind?");
     expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr"), "--set", "sampler.kind=pgc"}), 2,

@@ -155,8 +155,9 @@ TEST_F(PreviousFrame, a_scene_that_waits_for_the_next_stands_still) {
     SceneEdit edit;
     const Handle<Instance> pending = edit.add(box(0, 0.0f));
     edit.add(light());
-    const Handle<Light> second = edit.add(light());
+    const Handle<Light> pending_second = edit.add(light());
     const ChangeSet changes = scene.apply(std::move(edit));
+    const Handle<Light> second = changes.resolve(pending_second);
     const Handle<Instance> moving = changes.resolve(pending);
     const float height = scene.get(moving).place.world_from_object[3].y;
     const TestRay here{{0.0f, height, 1.0f}, {0.0f, 0.0f, -1.0f}}, there{{1.0f, height, 1.0f}, {0.0f, 0.0f, -1.0f}};

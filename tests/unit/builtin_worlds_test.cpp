@@ -270,7 +270,7 @@ TEST(BuiltinWorlds, diorama_and_reflections_have_their_materials_and_edits) {
     std::vector<std::string> names;
     for (const ScriptedEdit& edit : diorama.scripted_edits) names.push_back(edit.name);
     std::sort(names.begin(), names.end());
-    EXPECT_EQ(names, (std::vector<std::string>{"ball", "door", "lamp", "lights", "robot", "walk"}));
+    EXPECT_EQ(names, (std::vector<std::string>{"ball", "door", "lamp", "lights", "robot", "sun", "walk"}));
     std::vector<float> mirrors;
     for (const auto& [handle, m] : reflections.scene.materials())
         if (m.metallic == 1.0f) mirrors.push_back(m.roughness);

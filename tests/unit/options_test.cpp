@@ -160,7 +160,7 @@ TEST(Options, wrong_usage_is_named_with_what_to_do) {
         {{"a", "--frames", "8", "--out", "x.#.y.##.exr"}, "--out: 'x.#.y.##.exr' has several runs of '#' (use one"},
         {{"a", "--frames", "8", "--spp-range", "0-64", "--out", "x.#.exr"}, "--frames: it cannot be used together with --spp-range (--frames A-B draws a part of a sequence)"},
         {{"a", "--frames", "8", "--checkpoint", "c", "--out", "x.#.exr"}, "--checkpoint: a sequence has none"},
-        {{"a", "--frames", "8-8", "--out", "x.#.exr"}, "--frames: 8-8 is empty"},
+        {{"a", "--frames", "8-8", "--out", "x.#.exr"}, "--frames: the range 8-8 is empty"},
         {{"a", "--frames", "0", "--out", "x.#.exr"}, "--frames: 0 is out of range"},
         {{"a", "--frames", "1000000000", "--out", "x.#.exr"}, "--frames: 1000000000 is out of range (up to 16777216)"},
         {{"a", "--out", "x.####.exr"}, "--out: '#' stands for the numbers of frames (add --frames N)"},
