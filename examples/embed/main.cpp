@@ -86,7 +86,7 @@ void run(const char* out, int frames) {
     renderer.sync(loaded.scene, {});
     const gpu::Image ldr(device, "embed/ldr", {.format = gpu::Format::Rgba8Unorm, .extent = {kWidth, kHeight}});
     for (int i = 0; i < frames; ++i) {
-        if (!loaded.scripted_edits.empty()) renderer.sync(loaded.scene, loaded.scene.apply(loaded.scripted_edits[0].apply(i / 30.0)));
+        if (!loaded.scripted_edits.empty()) renderer.sync(loaded.scene, loaded.scene.apply(loaded.scripted_edits[0].apply(loaded.scene, i / 30.0)));
         uint64_t serial = 0;
         host.frame([&] { serial = renderer.record(host.commands, view, ldr); });
         renderer.retire(serial);

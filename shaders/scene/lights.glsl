@@ -80,20 +80,13 @@ uint surface_emitter(Surface s) {
 // A point of an emissive triangle, chosen uniformly.
 struct LightPoint {
     vec3 position_ws, position_error;
-    vec3 normal;         // twice the triangle's area long, on the front side
-    vec3 radiance;       // nits, below a clear coat; 0 where the surface is cut out
-    bool double_sided;
+    vec3 normal;  // twice the triangle's area long, on the front side
     float double_area_ws;
-    vec3 n_vertex_ws;    // interpolated (LAYERS)
-    uint material;
-    TexturePoint at;
+    vec3 weights;
 };
 
-LightPoint point_on_mesh(LightPick pick, Emitter emitter, vec2 u) {
+LightPoint point_on_mesh(LightPick pick, Instance instance, Geometry geometry, vec2 u) {
     LightPoint point;
-    const Instance instance = scene_instance(emitter.instance);
-    const Geometry geometry = scene_geometry(emitter.geometry);
-    const Material material = scene_material(geometry.material);
     const uvec3 index = IndexArray(geometry.indices).v[pick.triangle];
     PositionArray positions = PositionArray(geometry.positions);
     vec3 e0, e1, e2;
@@ -101,41 +94,45 @@ LightPoint point_on_mesh(LightPick pick, Emitter emitter, vec2 u) {
     const vec3 p1 = transform_point_precise(instance.world_from_object, positions.v[index.y], vec3(0.0), e1);
     const vec3 p2 = transform_point_precise(instance.world_from_object, positions.v[index.z], vec3(0.0), e2);
     const vec2 barycentrics = sample_triangle(u);
-    const vec3 weights = vec3(1.0 - barycentrics.x - barycentrics.y, barycentrics);
-    point.position_ws = interpolate(weights, p0, p1, p2);
+    point.weights = vec3(1.0 - barycentrics.x - barycentrics.y, barycentrics);
+    point.position_ws = interpolate(point.weights, p0, p1, p2);
     point.position_error = 1e-6 * max_component(abs(p0) + abs(p1) + abs(p2)) + max(e0, max(e1, e2));
     point.normal = cross(p1 - p0, p2 - p0) * ((instance.flags & kInstanceFlipsFacing) != 0u ? -1.0 : 1.0);
     point.double_area_ws = length(point.normal);
-    point.double_sided = (material.flags & kMaterialDoubleSided) != 0u;
-    point.material = geometry.material;
+    return point;
+}
+
+// Nits of the point along w (unit, to it); without a direction (0) what shines below a clear coat.
+vec3 radiance_on_mesh(LightPick pick, LightPoint point, Instance instance, Geometry geometry, Material material, vec3 w) {
+    const uvec3 index = IndexArray(geometry.indices).v[pick.triangle];
+    const vec3 weights = point.weights;
     AttributeArray attributes = AttributeArray(geometry.attributes);
     const VertexAttributes a0 = attributes.v[index.x], a1 = attributes.v[index.y], a2 = attributes.v[index.z];
-    point.at = TexturePoint(interpolate(weights, a0.uv0, a1.uv0, a2.uv0), interpolate(weights, a0.uv1, a1.uv1, a2.uv1), kFullResolution);
-    point.radiance = material.emission * fetch_texture(material.emissive_texture, point.at).rgb;
-    if (kLayers && (material.flags & kMaterialCoated) != 0u)
-        point.n_vertex_ws = vertex_normal(instance, interpolate(weights, a0.normal, a1.normal, a2.normal), point.normal / max(point.double_area_ws, 1e-30));
+    const TexturePoint at = TexturePoint(interpolate(weights, a0.uv0, a1.uv0, a2.uv0), interpolate(weights, a0.uv1, a1.uv1, a2.uv1), kFullResolution);
+    vec3 radiance = material.emission * fetch_texture(material.emissive_texture, at).rgb;
+    if (kLayers && (material.flags & kMaterialCoated) != 0u && w != vec3(0.0))
+        radiance *= emission_through_coat(material, at, vertex_normal(instance, interpolate(weights, a0.normal, a1.normal, a2.normal), point.normal / point.double_area_ws), w);
     if ((geometry.flags & kAlphaModeMask) != kAlphaOpaque) {
-        const float alpha = fetch_alpha(geometry, pick.triangle, barycentrics);
-        point.radiance *= (geometry.flags & kAlphaModeMask) == kAlphaBlend ? alpha : float(alpha >= material.alpha_cutoff);
+        const float alpha = fetch_alpha(geometry, pick.triangle, weights.yz);
+        radiance *= (geometry.flags & kAlphaModeMask) == kAlphaBlend ? alpha : float(alpha >= material.alpha_cutoff);
     }
-    return point;
+    return radiance;
 }
 
 LightSample sample_mesh_light(LightPick pick, Emitter emitter, vec3 x_ws, vec2 u) {
     LightSample result = kNoLightSample;
-    const LightPoint point = point_on_mesh(pick, emitter, u);
+    const Instance instance = scene_instance(emitter.instance);
+    const Geometry geometry = scene_geometry(emitter.geometry);
+    const Material material = scene_material(geometry.material);
+    const LightPoint point = point_on_mesh(pick, instance, geometry, u);
     const vec3 to_light = point.position_ws - x_ws;
     const float distance_squared = dot(to_light, to_light);
     if (point.double_area_ws <= 0.0 || distance_squared <= 0.0) return result;
     result.wi = to_light * inversesqrt(distance_squared);
     const float cosine = -dot(point.normal, result.wi) / point.double_area_ws;
-    if (cosine <= 0.0 && !point.double_sided) return result;
+    if (cosine <= 0.0 && (material.flags & kMaterialDoubleSided) == 0u) return result;
     if (abs(cosine) < 1e-7) return result;
-    result.radiance = point.radiance;
-    if (kLayers) {
-        const Material material = scene_material(point.material);
-        if ((material.flags & kMaterialCoated) != 0u) result.radiance *= emission_through_coat(material, point.at, point.n_vertex_ws, result.wi);
-    }
+    result.radiance = radiance_on_mesh(pick, point, instance, geometry, material, result.wi);
     result.target_ws = offset_origin(point.position_ws, point.position_error, point.normal / point.double_area_ws, -result.wi);
     result.pdf = pick.probability * 2.0 / point.double_area_ws * distance_squared / abs(cosine);
     return result;

@@ -216,67 +216,61 @@ bool pass_pane(ViewData view, inout PathState path, Surface s) {
     return true;
 }
 
-// A vertex before anything is sampled there.
-struct VertexBegin {
-    vec3 arriving;   // as VertexResult's
-    bool goes_on;    // nothing is scattered here, and the path goes straight on
-    bool scatters;   // else it ends here
-    Shading shading;
-    vec4 u_pick, u_light;  // numbers for what follows, if it scatters
-    vec3 u_scatter;        // lobe, direction
+// The numbers of a vertex where the path scatters.
+struct VertexNumbers {
+    vec4 pick, light;
+    vec3 scatter;  // lobe, direction
 };
 
-// What the path's ray met there, up to where the path may scatter. `first` is set at the first surface.
-VertexBegin begin_vertex(ViewData view, PathKey key, Hit hit, inout PathState path, inout FirstHit first) {
-    VertexBegin begin;
-    begin.goes_on = begin.scatters = false;
+// What happens where the path scatters: a light is asked for, and it goes on. A pass that says OWN_SCATTERING does it in its own way.
+#ifdef OWN_SCATTERING
+void scatter_at(ViewData view, PathKey key, Shading shading, VertexNumbers u, inout PathState path, inout VertexResult result);
+#else
+void scatter_at(ViewData view, PathKey key, Shading shading, VertexNumbers u, inout PathState path, inout VertexResult result) {
+    const uint bounce = path.path_class.bounce;
+    result.event = sample_next_event(view, path, shading, u.pick, u.light, alpha_key(key, bounce, kRayShadow));
+    result.goes_on = scatter(path, shading, u.scatter, true, alpha_key(key, bounce + 1u, kRayPath));
+}
+#endif
+
+// One vertex, from what the path's ray met there. `first` is set at the first surface.
+VertexResult shade_vertex(ViewData view, PathKey key, Hit hit, inout PathState path, inout FirstHit first) {
+    VertexResult result;
+    result.event.exists = false;
+    result.goes_on = false;
     Surface s = fetch_surface(hit, path.ray, path.cone);
     s.integer_offset = (view.flags & kViewIntegerOffset) != 0u;
     if (kLayers) path.throughput *= medium_transmittance(medium_there(path.media), s.t);
     const uint bounce = path.path_class.bounce;
-    begin.arriving = path.throughput * arriving_emission(path, s, view.light_sampling);
-    begin.arriving *= firefly_share(view, bounce, begin.arriving);
+    result.arriving = path.throughput * arriving_emission(path, s, view.light_sampling);
+    result.arriving *= firefly_share(view, bounce, result.arriving);
 
     MediumBoundary boundary = MediumBoundary(path.media, true, s.scattering.ior);
     if (kLayers && s.scattering.transmission > 0.0 && !s.scattering.thin) boundary = cross_boundary(path.media, s.material, s.front_facing);
     if (!boundary.real) {
         pass_boundary(path, s, boundary);
-        begin.goes_on = true;
-        return begin;
+        result.goes_on = true;
+        return result;
     }
     if (bounce == 0u && !path.path_class.transmitted)
         first = FirstHit(s.scattering.base_color, s.n_shading_ws * (s.front_facing ? 1.0 : -1.0), s.emission, s.scattering.roughness);
     if (kLayers && is_pane(s.scattering) && pass_pane(view, path, s)) {
-        begin.goes_on = true;
-        return begin;
+        result.goes_on = true;
+        return result;
     }
-    if (bounce >= view.max_bounces) return begin;
+    if (bounce >= view.max_bounces) return result;
 
     PathSampler samples = make_sampler(key.pixel, key.sample_index, key.seed, view.sampler_kind, scene.header.sobol, scene.header.blue_noise);
     start_bounce(samples, bounce + 1u);
-    begin.u_pick = vec4(next_2d(samples), next_2d(samples));
-    begin.u_light = vec4(next_2d(samples), next_2d(samples));
-    begin.u_scatter.x = next_1d(samples);
-    begin.u_scatter.yz = next_2d(samples);
+    VertexNumbers u;
+    u.pick = vec4(next_2d(samples), next_2d(samples));
+    u.light = vec4(next_2d(samples), next_2d(samples));
+    u.scatter.x = next_1d(samples);
+    u.scatter.yz = next_2d(samples);
     const float u_roulette = next_1d(samples);
-    if (bounce >= view.roulette_start && !survive_roulette(path, u_roulette)) return begin;
+    if (bounce >= view.roulette_start && !survive_roulette(path, u_roulette)) return result;
 
-    begin.shading = make_shading(view, path, s, boundary);
-    begin.scatters = true;
-    return begin;
-}
-
-// One vertex, from what the path's ray met there. `first` is set at the first surface.
-VertexResult shade_vertex(ViewData view, PathKey key, Hit hit, inout PathState path, inout FirstHit first) {
-    const uint bounce = path.path_class.bounce;
-    const VertexBegin begin = begin_vertex(view, key, hit, path, first);
-    VertexResult result;
-    result.arriving = begin.arriving;
-    result.event.exists = false;
-    result.goes_on = begin.goes_on;
-    if (!begin.scatters) return result;
-    result.event = sample_next_event(view, path, begin.shading, begin.u_pick, begin.u_light, alpha_key(key, bounce, kRayShadow));
-    result.goes_on = scatter(path, begin.shading, begin.u_scatter, true, alpha_key(key, bounce + 1u, kRayPath));
+    scatter_at(view, key, make_shading(view, path, s, boundary), u, path, result);
     return result;
 }
 #endif

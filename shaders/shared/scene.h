@@ -159,6 +159,11 @@ struct SceneHeader {
     uint64_t blue_noise;         // uint[128 * 128 / 2], two 16-bit ranks a word
     uint64_t bsdf_tables;        // directional albedos (lib/bsdf_tables.glsl)
     uint64_t suns;               // uint[sun_count]: emitters that are disks at infinity, which rays can meet
+    uint64_t instance_before_of_now;  // uint[]: by row, what was the previous frame's; kNone: it is new; 0: all rows are what they were (scene/previous.glsl)
+    uint64_t emitter_now_of_before;   // uint[emitter_before_count]: by the previous frame's row; kNone: it is gone; 0: likewise
+    uint instance_before_count;  // rows of the previous frame; 0: there was none
+    uint emitter_before_count;
+    uint moving;                 // 0: nothing has moved since the previous frame, whatever the rows of instances say
     uint emitter_count;
     uint sun_count;
     uint culling;                // 1: single-sided surfaces that do not transmit are invisible from behind

@@ -1,5 +1,6 @@
 #include "renderers/realtime.h"
 
+#include "base/error.h"
 #include "renderers/slice.h"
 
 namespace parhelion {
@@ -9,6 +10,10 @@ Realtime::Realtime(gpu::DevicePtr device, const View& view, const RealtimeOption
       gbuffer_(passes::make_gbuffer(device, {view.film().width, view.film().height})),
       signals_(passes::make_signals(device, uint64_t{view.film().width} * view.film().height)),
       tiles_(passes::make_light_tiles(device)) {
+    if (options.gbuffer == GBufferMode::Raster && !device->caps().raster)
+        throw Error(ErrorCode::MissingFeature, "the device cannot draw", "gbuffer.mode=raster", "use gbuffer.mode=trace");
+    if (options.gbuffer == GBufferMode::Raster && view.desc().camera.lens_radius > 0)
+        throw Error(ErrorCode::Usage, "a camera with a lens is traced", "gbuffer.mode=raster", "use gbuffer.mode=trace");
     if (options.cache) cache_.emplace(device, options.cache_options);
 }
 
@@ -22,7 +27,8 @@ void Realtime::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, Vi
                                          .tiles = options_.tiles,
                                          .path_bounces = options_.path_bounces};
     begin_slice(frame, scene, way, view, slice);
-    passes::trace_identity(frame, scene, way, film, gbuffer_, frame_index_);
+    if (options_.gbuffer == GBufferMode::Raster) passes::raster_identity(frame, scene, film, gbuffer_.identity, raster_, frame_index_);
+    else passes::trace_identity(frame, scene, way, film, gbuffer_, frame_index_);
     passes::summarise_surfaces(frame, scene, film, gbuffer_, frame_index_, options_.exposure);
     if (options_.tiles) passes::draw_light_tiles(frame, scene, tiles_, frame_index_, view.desc().seed);
     if (cache_) {

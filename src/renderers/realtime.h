@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "passes/cache/cache.h"
+#include "passes/gbuffer/raster.h"
 #include "passes/lights/lights.h"
 #include "passes/realtime/realtime.h"
 #include "renderers/view.h"
@@ -11,7 +12,11 @@ namespace parhelion {
 
 enum class RealtimeReuse : uint32_t { Full, None, Unbiased };
 
+// What finds the triangles under the pixels. Auto traces: so far raster is the faster one on no device that was measured.
+enum class GBufferMode : uint32_t { Auto, Raster, Trace };
+
 struct RealtimeOptions {
+    GBufferMode gbuffer = GBufferMode::Auto;  // Raster needs SceneGpuOptions::raster, and a camera without a lens
     uint32_t candidates = 8;  // light samples that the first surface's one is chosen from
     bool tiles = true;        // they come from light tiles; false: the light is sampled as by the reference
     bool cache = true;           // paths end in the world cache; false: they go to the view's depth
@@ -39,6 +44,7 @@ public:
 private:
     RealtimeOptions options_;
     passes::GBuffer gbuffer_;
+    passes::RasterHistory raster_;
     passes::Signals signals_;
     gpu::Buffer tiles_;
     std::optional<LightCache> cache_;

@@ -153,13 +153,13 @@ void View::place_camera() {
     set_pixel_cone(data_);
 }
 
-void View::set_camera(const shared::Camera& camera, const std::optional<shared::Camera>& at_close) {
+void View::set_camera(const shared::Camera& camera, const std::optional<shared::Camera>& at_close, bool keep_film) {
     data_.camera_before = data_.camera;
     desc_.camera = camera;
     desc_.camera_at_close = at_close;
     place_camera();
     upload_ = true;
-    clear_film();
+    if (!keep_film) clear_film();
 }
 
 void View::prepare(Frame& frame) {

@@ -1,8 +1,10 @@
 #include "scene/builtin.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "scene/builtin/scenes.h"
+#include "scene/builtin/scripts.h"
 #include "scene/camera.h"
 #include "scene/median_order.h"
 #include "scene/shapes.h"
@@ -30,14 +32,17 @@ Material glossy(std::string name, glm::vec3 color, float metallic, float roughne
     return material;
 }
 
+glm::mat4 place_looking(glm::vec3 from, glm::vec3 at) {
+    const CameraView view = look_at(from, at, 1.0f);
+    return {glm::vec4(view.right, 0.0f), glm::vec4(view.up, 0.0f), glm::vec4(-view.forward, 0.0f), glm::vec4(from, 1.0f)};
+}
+
 Handle<Camera> add_camera(SceneEdit& edit, std::string name, glm::vec3 from, glm::vec3 at, float yfov) {
-    const CameraView view = look_at(from, at, yfov);
     Camera camera;
     camera.name = std::move(name);
     camera.yfov = yfov;
-    camera.near_plane = view.near_plane;
-    camera.place.node_from_object =
-        glm::mat4(glm::vec4(view.right, 0.0f), glm::vec4(view.up, 0.0f), glm::vec4(-view.forward, 0.0f), glm::vec4(from, 1.0f));
+    camera.near_plane = look_at(from, at, yfov).near_plane;
+    camera.place.node_from_object = place_looking(from, at);
     return edit.add(std::move(camera));
 }
 
@@ -98,7 +103,28 @@ Transform turned_box(glm::vec3 center, glm::vec3 size, float degrees) {
     return local;
 }
 
-const Transform kTallBox = turned_box({-0.35f, 0.6f, -0.3f}, {0.6f, 1.2f, 0.6f}, 17.0f);
+const Transform kTallBox = turned_box({-0.35f, 0.6f, -0.3f}, {0.6f, 1.2f, 0.6f}, 17.0f), kShortBox = turned_box({0.35f, 0.3f, 0.35f}, glm::vec3(0.6f), -18.0f);
+
+constexpr size_t kSparks = 12;
+
+// In a ring about the boxes.
+std::vector<Light> make_sparks() {
+    std::vector<Light> lights;
+    for (size_t i = 0; i < kSparks; ++i) {
+        const float angle = 6.2831853f * float(i) / float(kSparks);
+        glm::mat4 place(1.0f);
+        place[3] = {0.75f * std::cos(angle), 0.9f + 0.5f * std::sin(3.0f * angle), 0.75f * std::sin(angle), 1.0f};
+        const glm::vec3 color(0.6f + 0.4f * std::cos(angle), 0.7f, 0.6f - 0.4f * std::cos(angle));
+        lights.push_back({.name = fmt::format("spark {}", i), .kind = LightKind::Point, .color = color, .intensity = 0.6f, .place = {.node_from_object = place}});
+    }
+    return lights;
+}
+
+// One begins every eighth of a second, not in the order of their numbers.
+bool spark_is_there(size_t i, double seconds) {
+    const double t = seconds / 1.5 - double(i * 5 % kSparks) / double(kSparks);
+    return t - std::floor(t) < 1.0 / 3.0;
+}
 
 }  // namespace
 
@@ -110,8 +136,7 @@ LoadedScene make_cornell(const BuiltinOptions&) {
     add_cornell_walls(edit, white, lamp_min, lamp_max);
     Primitive lamp;
     add_quad(lamp, lamp_min, {lamp_max.x - lamp_min.x, 0.0f, 0.0f}, {0.0f, 0.0f, lamp_max.z - lamp_min.z});
-    const Material lit = lambert("lamp", glm::vec3(0.78f), glm::vec3(17.0f, 12.0f, 4.0f));
-    const Handle<Material> lamp_material = edit.add(lit);
+    const Handle<Material> lamp_material = edit.add(lambert("lamp", glm::vec3(0.78f), glm::vec3(17.0f, 12.0f, 4.0f)));
     add_object(edit, "lamp", std::move(lamp), lamp_material);
 
     Mesh cube;
@@ -120,7 +145,7 @@ LoadedScene make_cornell(const BuiltinOptions&) {
     cube.primitives[0].material = white;
     const Handle<Mesh> cube_mesh = edit.add(std::move(cube));
     const Handle<Node> tall = edit.add(Node{.name = "tall box", .local = kTallBox});
-    const Handle<Node> low = edit.add(Node{.name = "short box", .local = turned_box({0.35f, 0.3f, 0.35f}, glm::vec3(0.6f), -18.0f)});
+    const Handle<Node> low = edit.add(Node{.name = "short box", .local = kShortBox});
     edit.add(Instance{.mesh = cube_mesh, .place = {.node = tall}});
     edit.add(Instance{.mesh = cube_mesh, .place = {.node = low}});
     add_camera(edit, "front", {0.0f, 1.0f, 3.88f}, {0.0f, 1.0f, 0.0f}, glm::radians(39.3f));
@@ -128,7 +153,7 @@ LoadedScene make_cornell(const BuiltinOptions&) {
     LoadedScene out;
     const ChangeSet changes = out.scene.apply(std::move(edit));
     const Handle<Node> spinning = changes.resolve(tall);
-    out.scripted_edits.push_back({"spin", "the tall box turns, 90 degrees a second", [spinning](double seconds) {
+    out.scripted_edits.push_back({"spin", "the tall box turns, 90 degrees a second", [spinning](const Scene&, double seconds) {
                                       Transform local = kTallBox;
                                       const double angle =
                                           glm::radians(17.0) + std::fmod(seconds * glm::radians(90.0), glm::radians(360.0));
@@ -137,13 +162,19 @@ LoadedScene make_cornell(const BuiltinOptions&) {
                                       step.set_transform(spinning, local);
                                       return step;
                                   }});
-    out.scripted_edits.push_back({"lamp", "the lamp is switched off and on, a second each", [lit, handle = changes.resolve(lamp_material)](double seconds) {
-                                      Material now = lit;
-                                      if (std::fmod(seconds, 2.0) >= 1.0) now.emission = glm::vec3(0.0f);
+    out.scripted_edits.push_back(switched_materials("lamp", "the lamp is switched off and on, a second each", out.scene, {changes.resolve(lamp_material)}));
+    out.scripted_edits.push_back(moving_torch("torch", "a glowing ball moves from wall to wall and back, 2 m a second",
+                                              {.middle = {0.0f, 1.25f, 0.55f}, .to_end = {0.8f, 0.0f, 0.0f}, .nits = {48.0f, 40.0f, 30.0f}}));
+    out.scripted_edits.push_back(passing_lights("sparks", "twelve small lights come and go, each for half a second", make_sparks(), spark_is_there));
+    out.scripted_edits.push_back({"leave", "the short box stands for a second, then leaves by the open side, to come back after 4", [low = changes.resolve(low)](const Scene&, double seconds) {
+                                      const double t = std::fmod(seconds, 4.0), gone = std::clamp(t - 1.0, 0.0, 1.0) - std::clamp(t - 3.0, 0.0, 1.0);
+                                      Transform local = kShortBox;
+                                      local.translation.z += 6.0f * float(gone);
                                       SceneEdit step;
-                                      step.set_material(handle, now);
+                                      step.set_transform(low, local);
                                       return step;
                                   }});
+    out.scripted_edits.push_back(camera_cut("cut", "the camera jumps into the box and out again, every second", out.scene, *out.scene.cameras().handle_at(0), {place_looking({0.7f, 1.5f, 0.8f}, {-0.5f, 0.4f, -0.4f})}));
     return out;
 }
 
@@ -163,7 +194,7 @@ LoadedScene make_furnace(const BuiltinOptions& options) {
     add_camera(edit, "front", {0.0f, 0.0f, 4.0f}, glm::vec3(0.0f), glm::radians(40.0f));
     LoadedScene out;
     out.scene.apply(std::move(edit));
-    out.scripted_edits.push_back({"swing", "the light around swings, once in 4 seconds", [light](double seconds) {
+    out.scripted_edits.push_back({"swing", "the light around swings, once in 4 seconds", [light](const Scene&, double seconds) {
                                       Environment now = light;
                                       now.scale *= swing(seconds);
                                       SceneEdit step;
@@ -184,7 +215,7 @@ LoadedScene make_diffuse_box(const BuiltinOptions& options) {
     add_camera(edit, "inside", {0.3f, 0.2f, 0.4f}, {-0.2f, -0.1f, -1.0f}, glm::radians(60.0f));
     LoadedScene out;
     const ChangeSet changes = out.scene.apply(std::move(edit));
-    out.scripted_edits.push_back({"swing", "the light of the walls swings, once in 4 seconds", [wall, handle = changes.resolve(material)](double seconds) {
+    out.scripted_edits.push_back({"swing", "the light of the walls swings, once in 4 seconds", [wall, handle = changes.resolve(material)](const Scene&, double seconds) {
                                       Material now = wall;
                                       now.emission *= swing(seconds);
                                       SceneEdit step;

@@ -9,11 +9,11 @@
 
 namespace parhelion {
 
-// A motion that a scene declares: `parhelion render --animate NAME`. apply(t) gives the edit that puts the scene into its state at
-// t seconds; it depends on t alone.
+// A motion that a scene declares: `parhelion render --animate NAME`. apply(scene, t) gives the edit that puts the scene into its state at
+// t seconds, whatever this edit has done to it before. The state depends on t alone; the scene tells what of it is there already.
 struct ScriptedEdit {
     std::string name, help;
-    std::function<SceneEdit(double seconds)> apply;
+    std::function<SceneEdit(const Scene& scene, double seconds)> apply;
 };
 
 struct LoadedScene {

@@ -20,18 +20,13 @@ std::string file_hint(const std::filesystem::path& path) {
     return "SCENE is a .gltf or .glb file, or builtin:NAME";
 }
 
-// Puts the scene into the state that its scripted edit has at options.time.
-void animate(LoadedScene& loaded, const LoadOptions& options) {
+const ScriptedEdit& find_scripted_edit(const LoadedScene& loaded, const std::string& name) {
     std::string names;
     for (const ScriptedEdit& edit : loaded.scripted_edits) {
-        if (edit.name == options.animate) {
-            loaded.scene.apply(edit.apply(options.time));
-            return;
-        }
+        if (edit.name == name) return edit;
         names += (names.empty() ? "" : ", ") + edit.name;
     }
-    throw Error(ErrorCode::Usage, fmt::format("{} has no scripted edit '{}'", loaded.scene.source().name, escape_name(options.animate)), "--animate",
-                "it has " + names);
+    throw Error(ErrorCode::Usage, fmt::format("{} has no scripted edit '{}'", loaded.scene.source().name, escape_name(name)), "--animate", "it has " + names);
 }
 
 LoadedScene load_builtin(const std::string& name, const LoadOptions& options) {
@@ -40,7 +35,7 @@ LoadedScene load_builtin(const std::string& name, const LoadOptions& options) {
         throw Error(ErrorCode::Usage, "animations belong to glTF files", "--animation", "--animate plays a scripted edit of a built-in scene");
     try {
         LoadedScene loaded = make_builtin(name, options.builtin);
-        if (!options.animate.empty()) animate(loaded, options);
+        loaded.scene.apply(state_at(loaded, options, options.time));
         loaded.scene.begin_frame();  // what stands somewhere at the start has not moved there
         return loaded;
     } catch (const std::bad_alloc&) {
@@ -74,6 +69,11 @@ LoadedScene load_scene(const std::string& name, const LoadOptions& options) {
     } catch (const std::bad_alloc&) {
         throw Error(ErrorCode::Failed, "does not fit into the memory of this machine", shown);
     }
+}
+
+SceneEdit state_at(const LoadedScene& loaded, const LoadOptions& options, double seconds) {
+    if (!options.animate.empty()) return find_scripted_edit(loaded, options.animate).apply(loaded.scene, seconds);
+    return loaded.scene.animations().empty() ? SceneEdit() : pose_at(loaded.scene, seconds, options.animation);
 }
 
 Environment load_environment(const std::filesystem::path& path) {

@@ -23,6 +23,10 @@ struct LoadOptions {
 // "builtin:NAME", or a .gltf or .glb file (told apart by content). Warnings of the file go to the log and into scene.source().
 LoadedScene load_scene(const std::string& name, const LoadOptions& options = {});
 
+// What brings a loaded scene to another moment: the scripted edit that the options name, or the animations of a file. Throws as
+// load_scene() does.
+SceneEdit state_at(const LoadedScene& loaded, const LoadOptions& options, double seconds);
+
 // An equirectangular .hdr or .exr (also .png and .jpg, as sRGB) with scale 1 and no rotation. Values that are negative or not
 // finite are made 0 or the largest half float, with a warning.
 Environment load_environment(const std::filesystem::path& path);

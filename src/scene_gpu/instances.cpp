@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <functional>
+#include <numeric>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -95,12 +96,30 @@ std::vector<uint32_t> SceneGpu::State::assign_instance_rows() {
     }
     for (const InstanceRow& old : rows_before)
         if (old.generation != 0 && !instance_handles[old.row]) left_rows.push_back(old.row);
+    translate_instances(new_ones);
     instances.resize(instance_handles.size());
     std::vector<uint32_t> drawn;
     drawn.reserve(all.size());
     for (uint32_t row = 0; row < instance_handles.size(); ++row)
         if (instance_handles[row]) drawn.push_back(row);
     return drawn;
+}
+
+// Makes the way back from this frame's rows to the previous one's: every row is what it was, but for those that have just come or gone.
+// Where only bottom levels have gone elsewhere the previous frame is still the same.
+void SceneGpu::State::translate_instances(std::span<const Handle<Instance>> new_ones) {
+    if (!anything_stale) return;
+    instances_before = has_no_past ? 0 : static_cast<uint32_t>(instances.size());
+    instance_translation = {};
+    for (const uint32_t row : left_rows) instances[row].world_from_object_before = instances[row].world_from_object;
+    const auto is_old = [&](Handle<Instance> handle) { return instance_rows[handle.index].row < instances_before; };
+    if (left_rows.empty() && std::ranges::none_of(new_ones, is_old)) return;
+    std::vector<uint32_t> rows(instances_before);
+    std::iota(rows.begin(), rows.end(), 0u);
+    for (const uint32_t row : left_rows) rows[row] = shared::kNone;
+    for (const Handle<Instance> handle : new_ones)
+        if (is_old(handle)) rows[instance_rows[handle.index].row] = shared::kNone;
+    instance_translation = make_table("instance_before_of_now", std::move(rows));
 }
 
 // The mesh that each of these rows draws.
@@ -124,6 +143,7 @@ void SceneGpu::State::place_instances() {
         throw Error(ErrorCode::Failed, fmt::format("the scene has {} instances, a top level holds {}", instances.size(), 0xFFFFFF), scene->source().name, "join meshes");
     const std::vector<MeshOnDevice*> drawn_mesh = note_drawn(drawn);
     stats.instances = static_cast<uint32_t>(drawn.size());
+    stats.instance_rows = static_cast<uint32_t>(instances.size());
     uint32_t geometries_before = 0;
     for (size_t i = 0; i < drawn.size(); ++i) {
         instances[drawn[i]].emitter_base = geometries_before;
@@ -148,6 +168,7 @@ void SceneGpu::State::place_instances() {
     next = {};
     if (uses_hardware()) place_driver_top(drawn, drawn_mesh);
     if (options.own_bvh) place_own_top(drawn, drawn_mesh);
+    if (options.raster) place_drawn(drawn, drawn_mesh);
 }
 
 void SceneGpu::State::place_driver_top(std::span<const uint32_t> drawn, std::span<MeshOnDevice* const> drawn_mesh) {

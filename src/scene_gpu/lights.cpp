@@ -42,7 +42,22 @@ double world_flux(const Primitive& primitive, const EmissiveTable& table, const 
 
 constexpr uint32_t kMaxTableWidth = 1024, kMaxTableHeight = 512;
 
+enum : uint32_t { kOfInstance, kOfLight, kOfEnvironment };  // EmitterKey::kind
+
 }  // namespace
+
+std::vector<uint32_t> translate_rows(std::span<const EmitterKey> before, std::span<const EmitterKey> now) {
+    std::vector<uint32_t> rows(before.size(), shared::kNone);
+    bool same = true;
+    uint32_t next = 0;
+    for (uint32_t row = 0; row < before.size(); ++row) {
+        while (next < now.size() && now[next].place() < before[row].place()) ++next;
+        if (next < now.size() && now[next].place() == before[row].place() && now[next].generation == before[row].generation) rows[row] = next;
+        same = same && rows[row] == row;
+    }
+    if (same) rows.clear();
+    return rows;
+}
 
 void SceneGpu::State::make_environment() {
     if (!environment_table_stale) return;
@@ -68,13 +83,16 @@ void SceneGpu::State::make_environment() {
 
 void SceneGpu::State::place_emitters() {
     emitters.clear();
+    const std::vector<EmitterKey> keys_before = std::move(emitter_keys);
+    emitter_keys.clear();
     std::vector<double> finite, infinite;  // flux in lumen; irradiance in lux
     std::vector<uint32_t> finite_rows, infinite_rows;
     sun_rows.clear();
-    const auto add = [&](const shared::Emitter& emitter, double weight, bool is_infinite) {
+    const auto add = [&](const EmitterKey& key, const shared::Emitter& emitter, double weight, bool is_infinite) {
         (is_infinite ? infinite : finite).push_back(weight);
         (is_infinite ? infinite_rows : finite_rows).push_back(static_cast<uint32_t>(emitters.size()));
         emitters.push_back(emitter);
+        emitter_keys.push_back(key);
     };
     for (uint32_t i = 0; i < instances.size(); ++i) {
         if (!instance_handles[i]) continue;
@@ -88,7 +106,7 @@ void SceneGpu::State::place_emitters() {
             const double strength = table.shown.empty() ? luminance(material.emission) : max_component(material.emission);
             const double sides = (material.flags & shared::kMaterialDoubleSided) != 0 ? 2.0 : 1.0;
             geometry_emitter_rows[instances[i].emitter_base + g] = static_cast<uint32_t>(emitters.size());
-            add({.kind = shared::kEmitterMesh, .instance = i, .geometry = geometry, .triangle_count = geometries[geometry].triangle_count, .triangle_table = geometries[geometry].triangle_table},
+            add({kOfInstance, i, g, instance_handles[i].generation}, {.kind = shared::kEmitterMesh, .instance = i, .geometry = geometry, .triangle_count = geometries[geometry].triangle_count, .triangle_table = geometries[geometry].triangle_table},
                 sides * kPi * strength * world_flux(mesh.primitives[g], table, instance.place.world_from_object), false);
         }
     }
@@ -104,12 +122,12 @@ void SceneGpu::State::place_emitters() {
                             .opening = one_minus_cos(light.kind == LightKind::Directional ? light.angular_radius : 0.0f)};
         if (row.opening > 0.0f) sun_rows.push_back(static_cast<uint32_t>(emitters.size()));
         const double solid_angle = light.kind == LightKind::Spot ? 2 * kPi * (1 - row.cos_outer) : 4 * kPi;
-        add(row, light.kind == LightKind::Directional ? luminance(intensity) : luminance(intensity) * solid_angle, light.kind == LightKind::Directional);
+        add({kOfLight, handle.index, 0, handle.generation}, row, light.kind == LightKind::Directional ? luminance(intensity) : luminance(intensity) * solid_angle, light.kind == LightKind::Directional);
     }
     environment.emitter = shared::kNone;
     if (!scene->environment().black() && environment_luminance > 0) {
         environment.emitter = static_cast<uint32_t>(emitters.size());
-        add({.kind = shared::kEmitterEnvironment}, kPi * luminance(environment.scale) * environment_luminance, true);
+        add({kOfEnvironment, 0, 0, 0}, {.kind = shared::kEmitterEnvironment}, kPi * luminance(environment.scale) * environment_luminance, true);
     }
 
     // Infinite emitters have no flux to compare by: they get a set share, where both kinds shine.
@@ -124,6 +142,11 @@ void SceneGpu::State::place_emitters() {
     suns = make_table("suns", std::span<const uint32_t>(sun_rows));
     geometry_emitters = make_table("geometry_emitters", std::span<const uint32_t>(geometry_emitter_rows));
     stats.emitters = static_cast<uint32_t>(emitters.size());
+    if (!anything_stale) return;  // the previous frame is still the same
+    emitters_before = has_no_past ? 0 : static_cast<uint32_t>(keys_before.size());
+    emitter_translation = {};
+    if (std::vector<uint32_t> rows_now = translate_rows(std::span(keys_before).first(emitters_before), emitter_keys); !rows_now.empty())
+        emitter_translation = make_table("emitter_now_of_before", std::move(rows_now));
 }
 
 }  // namespace parhelion

@@ -27,6 +27,11 @@ const SceneBinding& SceneGpu::binding() const {
     return state_->binding;
 }
 
+const DrawnGeometries& SceneGpu::drawn() const {
+    PARHELION_CHECK(state_->drawn_now.table, "SceneGpu has no table of what is drawn: it was made without SceneGpuOptions::raster, or shows nothing yet");
+    return state_->drawn_now;
+}
+
 void SceneGpu::sync(const Scene& scene) {
     state_->begin_anew();
     state_->scene = &scene;
@@ -41,30 +46,36 @@ void SceneGpu::sync(const Scene& scene, const ChangeSet& changes) {
     s.edited |= !changes.empty();
     s.anything_stale |= !changes.empty() || s.unsettled;
     s.unsettled = false;
+    s.frame_began = true;
 }
 
 SceneProgress SceneGpu::update(Frame& frame) {
     State& s = *state_;
     PARHELION_CHECK(s.scene != nullptr, "SceneGpu::update() before sync()");
     Slice slice(s.options.slice_bytes, s.options.slice_triangles);
-    if (!s.tables_running) {
-        if (!s.anything_stale && s.measurements.empty() && !s.moved_by_compaction) return s.progress;
-        s.plan();
-        s.upload_images(frame, slice);
-        s.upload_meshes(frame, slice);
-        s.build_own_bottoms(frame, slice);
-        s.plan_refits(frame, slice);
-        s.refit_own_bottoms(frame, slice);
-        s.build_driver_bottoms(frame, slice);
-        s.compact_bottoms(frame);
-        s.measure_progress();
-        if (!s.is_resident() || (!s.anything_stale && !s.moved_by_compaction)) return s.progress;
-        s.make_tables();
-    }
-    if (!upload_rows(frame, slice, s.tables, s.table_rows_done)) return s.progress;
-    s.publish(frame);
-    s.measure_progress();
+    if (!s.advance(frame, slice)) s.settle(frame);
     return s.progress;
+}
+
+bool SceneGpu::State::advance(Frame& frame, Slice& slice) {
+    if (!tables_running) {
+        if (!anything_stale && measurements.empty() && !moved_by_compaction) return false;
+        plan();
+        upload_images(frame, slice);
+        upload_meshes(frame, slice);
+        build_own_bottoms(frame, slice);
+        plan_refits(frame, slice);
+        refit_own_bottoms(frame, slice);
+        build_driver_bottoms(frame, slice);
+        compact_bottoms(frame);
+        measure_progress();
+        if (!is_resident() || (!anything_stale && !moved_by_compaction)) return false;
+        make_tables();
+    }
+    if (!upload_rows(frame, slice, tables, table_rows_done)) return false;
+    publish(frame);
+    measure_progress();
+    return true;
 }
 
 void SceneGpu::finish(Frame& frame) {
@@ -89,6 +100,7 @@ void SceneGpu::State::begin_anew() {
     instances.clear();
     own_top = bvh::MovingTop(layout);
     instance_rows.clear();
+    emitter_keys.clear();
     free_rows.clear();
     left_rows.clear();
     tables.clear();
@@ -96,6 +108,7 @@ void SceneGpu::State::begin_anew() {
     tables_running = moved_by_compaction = unsettled = false;
     anything_stale = materials_stale = textures_stale = environment_stale = environment_table_stale = edited = has_no_past = true;
     stats.own_build_seconds = 0;
+    frame_began = true;
 }
 
 // Nothing is lost by planning again: what has come in is found by its handle.

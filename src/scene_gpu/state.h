@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <unordered_map>
 #include <unordered_set>
 #include <vector>
@@ -121,6 +122,16 @@ struct InstanceRow {
     uint32_t generation = 0, row = 0;
 };
 
+// Which light a row of the emitter table is, in any frame. Rows are in this order, of the first three members.
+struct EmitterKey {
+    uint32_t kind;        // instance, light or environment
+    uint32_t index, part; // row of the instance and geometry of its mesh; slot of the light
+    uint32_t generation;
+    auto place() const { return std::tuple(kind, index, part); }
+};
+// Where each of the rows `before` is among `now`, shared::kNone where it is not. Empty: those that were are where they were.
+std::vector<uint32_t> translate_rows(std::span<const EmitterKey> before, std::span<const EmitterKey> now);
+
 struct TopLevel {
     gpu::AccelStruct tlas;
     gpu::Buffer nodes, items;            // ours
@@ -172,6 +183,9 @@ struct SceneGpu::State {
     std::vector<shared::Emitter> emitters;
     gpu::Buffer emitter_table, emitter_alias, triangle_alias, geometry_emitters, environment_alias, suns;
     std::vector<uint32_t> sun_rows;
+    std::vector<EmitterKey> emitter_keys;  // by row
+    gpu::Buffer emitter_translation;       // from the previous frame's rows; none: nothing has changed its row
+    uint32_t emitters_before = 0;          // rows of the previous frame
     std::vector<EmissivePart> emissive_parts;  // whose tables triangle_alias holds, one after the other
     std::unordered_map<uint32_t, uint32_t> triangle_table_of_geometry;  // geometry row -> offset in triangle_alias
     std::unordered_map<uint32_t, std::shared_ptr<const EmissiveTable>> emissive_table_of_geometry;
@@ -184,16 +198,24 @@ struct SceneGpu::State {
     std::vector<Handle<Instance>> instance_handles;  // by row; none: the row is free
     std::vector<InstanceRow> instance_rows;  // by index of the handle
     std::vector<uint32_t> free_rows, left_rows;  // free now; left by this frame's edit, still seen by the previous top level
-    gpu::Buffer instance_table, tlas_instances;
+    gpu::Buffer instance_table, instance_translation, tlas_instances;
+    uint32_t instances_before = 0;  // rows of the previous frame
     uint32_t tlas_count = 0;
     bvh::MovingTop own_top;  // stays as it is until its tables are up
     TopLevel next, now, before;
+    // drawn.cpp
+    DrawnGeometries drawn_next, drawn_now;
     // tables.cpp
     std::vector<RowSource> tables;
     uint64_t table_rows_done = 0;
     gpu::Buffer sampler_tables, bsdf_tables;
     std::vector<gpu::SceneSet> sets;  // the one of `binding`, those of frames on their way, and free ones
     SceneBinding binding;
+    shared::SceneHeader shown_header{};  // what binding shows
+    uint32_t shown_instances = 0;     // its rows
+    std::vector<std::pair<gpu::Image, gpu::Sampler>> shown_slots;
+    std::vector<gpu::Buffer> shown_buffers;
+    bool frame_began = false;         // since the last publish
     SceneGpuStats stats;
 
     // Those that are not drawn serve the driver's bottom levels of their forms.
@@ -201,6 +223,9 @@ struct SceneGpu::State {
     bool uses_hardware() const { return options.hardware && (device->caps().ray_pipeline || device->caps().ray_query); }
 
     void begin_anew();
+
+    // One slice of the three steps. False: nothing new is to be seen.
+    bool advance(Frame& frame, Slice& slice);
 
     // Step 1. plan() says what the scene needs; the others bring in what is missing, as far as the slice goes.
     void plan();
@@ -234,14 +259,19 @@ struct SceneGpu::State {
     std::vector<EmissivePart> find_emissive_parts() const;
     void place_instances();  // instance rows, driver's and our top level
     std::vector<uint32_t> assign_instance_rows();
+    void translate_instances(std::span<const Handle<Instance>> new_ones);
     std::vector<MeshOnDevice*> note_drawn(std::span<const uint32_t> drawn);
     void place_driver_top(std::span<const uint32_t> drawn, std::span<MeshOnDevice* const> drawn_mesh);
     void place_own_top(std::span<const uint32_t> drawn, std::span<MeshOnDevice* const> drawn_mesh);
+    void place_drawn(std::span<const uint32_t> drawn, std::span<MeshOnDevice* const> drawn_mesh);
     void place_emitters();   // the top of the light table
 
     // Step 3.
     void publish(Frame& frame);
     void write_header(Frame& frame);
+    void bind_shown(Frame& frame);
+    void become_past();
+    void settle(Frame& frame);
     gpu::SceneSet free_set(uint32_t textures);
     void forget_unwanted();
     void forget_meshes(const std::function<bool(const MeshOnDevice&)>& choose);

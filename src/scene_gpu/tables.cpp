@@ -44,9 +44,11 @@ void SceneGpu::State::publish(Frame& frame) {
     has_no_past = false;
     now = std::move(next);
     next = {};
+    drawn_now = std::move(drawn_next);
     published += tables_advance ? 1 : 0;
     version += tables_edited ? 1 : 0;
     unsettled |= tables_edited;
+    frame_began = false;
     write_header(frame);
     tables.clear();
     tables_running = false;
@@ -62,11 +64,13 @@ gpu::SceneSet SceneGpu::State::free_set(uint32_t textures) {
     return sets.back();
 }
 
-// The header and set 0 are written anew: the previous frame's may still be in use.
+namespace {
+uint64_t address(const gpu::Buffer& buffer) { return buffer ? buffer.address() : 0; }
+}  // namespace
+
 void SceneGpu::State::write_header(Frame& frame) {
-    const auto address = [](const gpu::Buffer& buffer) { return buffer ? buffer.address() : 0; };
-    const TopLevel& past = before.tlas || before.nodes ? before : now;
-    shared::SceneHeader header{};
+    const bool still = tables_advance ? !tables_edited : shown_header.moving == 0;
+    shared::SceneHeader& header = shown_header = {};
     header.instances = address(instance_table);
     header.geometries = address(geometry_table);
     header.materials = address(material_table);
@@ -80,36 +84,71 @@ void SceneGpu::State::write_header(Frame& frame) {
     header.bottom_triangles = address(bottom_triangles.buffer());
     header.top_nodes = address(now.nodes);
     header.top_items = address(now.items);
-    header.top_nodes_before = address(past.nodes);
-    header.top_items_before = address(past.items);
     header.sobol = address(sampler_tables);
     header.blue_noise = address(sampler_tables) + sampling::sobol_table().size() * sizeof(uint32_t);
     header.bsdf_tables = address(bsdf_tables);
     header.suns = address(suns);
+    header.instance_before_of_now = address(instance_translation);
+    header.emitter_now_of_before = address(emitter_translation);
+    header.instance_before_count = instances_before;
+    header.emitter_before_count = emitters_before;
+    header.moving = 1;
     header.sun_count = static_cast<uint32_t>(sun_rows.size());
     header.emitter_count = static_cast<uint32_t>(emitters.size());
     header.culling = options.culling ? 1 : 0;
     header.features = features_shown = features;
     header.environment = environment;
+    shown_instances = static_cast<uint32_t>(instances.size());
+    if (still) become_past();
 
-    const gpu::Buffer block(device, "scene/header", sizeof(header));
-    frame.upload(block, 0, std::as_bytes(std::span(&header, 1)));
-    gpu::SceneSet set = free_set(std::max<uint32_t>(1, static_cast<uint32_t>(slots.size())));
-    set.set_header(block);
-    for (uint32_t slot = 0; slot < slots.size(); ++slot) set.set_texture(slot, slots[slot].first, slots[slot].second);
-    if (uses_hardware()) set.set_accel(now.tlas, past.tlas);
-
-    binding = {.set = set,
-               .buffers = geometry_pool.buffers(),
-               .textures = {},
-               .accels = {},
-               .bvh_variant = traversal_variant(device->caps(), layout, options.bvh_loop, now.plain && past.plain)};
-    for (const gpu::Buffer& buffer : {block, geometry_table, material_table, texture_table, instance_table, emitter_table, emitter_alias, triangle_alias, geometry_emitters,
-                                      environment_alias, suns, sampler_tables, bsdf_tables, bottom_nodes.buffer(), bottom_triangles.buffer(), now.nodes, now.items, past.nodes, past.items})
-        if (buffer) binding.buffers.push_back(buffer);
+    shown_slots = slots;
+    shown_buffers = geometry_pool.buffers();
+    for (const gpu::Buffer& buffer : {geometry_table, material_table, texture_table, instance_table, emitter_table, emitter_alias, triangle_alias, geometry_emitters,
+                                      environment_alias, suns, sampler_tables, bsdf_tables, bottom_nodes.buffer(), bottom_triangles.buffer(), instance_translation, emitter_translation})
+        if (buffer) shown_buffers.push_back(buffer);
+    binding.textures.clear();
     for (const auto& [key, image] : images)
         if (image.wanted) binding.textures.push_back(image.image);
     if (environment_image.image) binding.textures.push_back(environment_image.image);
+    bind_shown(frame);
+}
+
+// The scene that is shown has become its own previous frame.
+void SceneGpu::State::become_past() {
+    before = {};
+    shown_header.moving = 0;
+    shown_header.instance_before_of_now = shown_header.emitter_now_of_before = 0;
+    shown_header.instance_before_count = shown_instances;
+    shown_header.emitter_before_count = shown_header.emitter_count;
+}
+
+// A frame goes by in which what comes next is not there yet.
+void SceneGpu::State::settle(Frame& frame) {
+    if (!frame_began || published == 0 || shown_header.moving == 0) return;
+    frame_began = false;
+    become_past();
+    bind_shown(frame);
+}
+
+// Header and set 0 are written anew: the previous frame's may still be in use.
+void SceneGpu::State::bind_shown(Frame& frame) {
+    const TopLevel& past = before.tlas || before.nodes ? before : now;
+    shown_header.top_nodes_before = address(past.nodes);
+    shown_header.top_items_before = address(past.items);
+    const gpu::Buffer block(device, "scene/header", sizeof(shown_header));
+    frame.upload(block, 0, std::as_bytes(std::span(&shown_header, 1)));
+    gpu::SceneSet set = free_set(std::max<uint32_t>(1, static_cast<uint32_t>(shown_slots.size())));
+    set.set_header(block);
+    for (uint32_t slot = 0; slot < shown_slots.size(); ++slot) set.set_texture(slot, shown_slots[slot].first, shown_slots[slot].second);
+    if (uses_hardware()) set.set_accel(now.tlas, past.tlas);
+
+    binding = {.set = set,
+               .buffers = shown_buffers,
+               .textures = std::move(binding.textures),
+               .accels = {},
+               .bvh_variant = traversal_variant(device->caps(), layout, options.bvh_loop, now.plain && past.plain)};
+    for (const gpu::Buffer& buffer : {block, now.nodes, now.items, past.nodes, past.items})
+        if (buffer) binding.buffers.push_back(buffer);
     if (!uses_hardware()) return;
     binding.accels = {now.tlas, past.tlas};
     for (const TopLevel* level : {static_cast<const TopLevel*>(&now), &past}) binding.accels.insert(binding.accels.end(), level->kept.begin(), level->kept.end());

@@ -6,7 +6,6 @@
 
 #include "base/error.h"
 #include "base/log.h"
-#include "scene/camera_path.h"
 #include "scene/pose.h"
 #include "session/scene_setup.h"
 
@@ -25,9 +24,9 @@ Camera moved_camera(LoadedScene& loaded, Handle<Camera> handle, const LoadOption
         camera.place.world_from_object = place_at(scene, camera.place, seconds, load.animation);
         return camera;
     }
-    scene.apply(edit->apply(seconds));
+    scene.apply(edit->apply(scene, seconds));
     const Camera camera = scene.get(handle);
-    scene.apply(edit->apply(load.time));
+    scene.apply(edit->apply(scene, load.time));
     scene.begin_frame();  // there and back: nothing has moved
     return camera;
 }
@@ -113,6 +112,21 @@ MovingCamera set_up_camera(LoadedScene& loaded, const RenderOptions& options, bo
     else
         log(LogLevel::Warn, "nothing moves the camera while the shutter is open");
     return camera;
+}
+
+PlayedCamera::PlayedCamera(const Scene& scene, const RenderOptions& options, const CameraView& first)
+    : options_(options), first_(first), handle_(scene_camera(scene, options)) {
+    if (!options.camera_path.empty()) path_ = read_camera_path(options.camera_path);
+}
+
+CameraView PlayedCamera::at(const Scene& scene, double seconds) const {
+    if (!path_ && !handle_) return first_;
+    const float aspect = static_cast<float>(options_.size.width) / static_cast<float>(options_.size.height);
+    CameraView view = path_ ? path_->view_at(seconds) : view_of(scene.get(*handle_), aspect);
+    apply_fov(view, options_);
+    view.lens_radius = first_.lens_radius;
+    view.focus_distance = first_.focus_distance;
+    return view;
 }
 
 }  // namespace parhelion

@@ -158,6 +158,22 @@ image::Comparison mean_of(const std::vector<ComparedFrame>& frames) {
     return mean;
 }
 
+// The frame that differs most by FLIP; one with NaN is worst of all.
+const ComparedFrame& worst_frame(const CompareReport& report) {
+    const auto error = [](const ComparedFrame& frame) { return std::isnan(frame.result.flip.mean) ? 2.0 : double(frame.result.flip.mean); };
+    return *std::ranges::max_element(report.frames, {}, error);
+}
+
+std::string frame_table(const CompareReport& report) {
+    std::string out = fmt::format("{:>8}  {:>10}  {:>12}  {:>12}  {:>9}  {:>7}\n", "frame", "mean ratio", "MSE", "relMSE", "PSNR", "FLIP");
+    for (const ComparedFrame& frame : report.frames) {
+        const image::Comparison& c = frame.result;
+        out += fmt::format("{:>8}  {:>10.6g}  {:>12.6g}  {:>12.6g}  {:>6.2f} dB  {:>7.5f}\n", frame.name, c.mean_ratio.luminance, c.mse, c.relmse, c.psnr, c.flip.mean);
+    }
+    const ComparedFrame& worst = worst_frame(report);
+    return out + fmt::format("worst       frame {}: FLIP {:.5f}\n", worst.name, worst.result.flip.mean);
+}
+
 }  // namespace
 
 CompareReport compare_files(const std::string& test, const std::string& reference, const std::string& layer, const CompareLimits& limits,
@@ -185,6 +201,7 @@ Json compare_json(const CompareReport& report) {
     out["flip_kind"] = first.display_referred ? "ldr" : "hdr";
     out["exceeded"] = report.exceeded;
     if (report.frames.front().name.empty()) return out;
+    out["worst_frame"] = worst_frame(report).name;
     out["frames"] = Json::array();
     for (const ComparedFrame& frame : report.frames) {
         Json entry = {{"frame", frame.name}};
@@ -197,7 +214,7 @@ Json compare_json(const CompareReport& report) {
 std::string compare_text(const CompareReport& report) {
     const image::Comparison mean = mean_of(report.frames);
     std::string out;
-    if (!report.frames.front().name.empty()) out += fmt::format("frames      {} (means)\n", report.frames.size());
+    if (!report.frames.front().name.empty()) out += frame_table(report) + fmt::format("frames      {} (means)\n", report.frames.size());
     out += fmt::format(
         "mean ratio  {:.6g}\nMSE         {:.6g}\nrelMSE      {:.6g}\nPSNR        {:.2f} dB\nSSIM        {:.5f}\nFLIP        {:.5f}\n",
         mean.mean_ratio.luminance, mean.mse, mean.relmse, mean.psnr, mean.ssim, mean.flip.mean);

@@ -24,6 +24,18 @@ struct PassTime {
     uint64_t count = 0;
 };
 
+// What a job that plays frames has done.
+struct PlayedFrame {
+    uint64_t number = 0;
+    double time = 0;             // seconds on the scene's clock
+    double ms = 0, gpu_ms = 0;   // from the scene's edit to the finished frame; of it the GPU's
+    RayCounts rays;
+};
+struct PlayReport {
+    FramePlay play;
+    std::vector<PlayedFrame> frames;  // that were drawn, warm-up and frames before the first that is written too
+};
+
 struct RenderReport {
     std::string renderer = "reference", device, driver, trace, scene, camera;
     std::string trace_source;  // who chose the way: option, measured, table
@@ -33,6 +45,7 @@ struct RenderReport {
     IndexRange wanted;          // samples that were asked for
     uint64_t finished_end = 0;  // samples [wanted.begin, finished_end) are in every pixel of the outputs
     uint64_t resumed_at = 0;    // first sample of this run
+    uint64_t frame_samples = 1; // of each frame that was played
     double load_seconds = 0, setup_seconds = 0, render_seconds = 0;
     double gpu_seconds = 0;  // of render_seconds, what the GPU took for the frames, between their passes too; 0: the device has no timers
     double exposure_ev = 0;
@@ -42,6 +55,7 @@ struct RenderReport {
     std::vector<PassTime> passes;
     RayCounts rays;  // of this run, metering apart
     std::optional<WavefrontReport> wavefront;  // where it drew
+    std::optional<PlayReport> play;            // `wanted` and `finished_end` are then frames
     std::vector<gpu::MemoryUse> memory;
     uint64_t peak_host_bytes = 0, peak_device_bytes = 0;
     std::string node_layout;  // of our own acceleration structure; empty: not made

@@ -19,6 +19,13 @@ uint64_t rays_of(const PassTime& pass, const RenderReport& report) {
     return pass.name.starts_with("wavefront/connect [") ? report.rays.shadow : 0;
 }
 
+Json play_json(const PlayReport& report) {
+    Json frames = Json::array();
+    for (const PlayedFrame& frame : report.frames)
+        frames.push_back({{"frame", frame.number}, {"time", frame.time}, {"ms", frame.ms}, {"gpu_ms", frame.gpu_ms}, {"rays", {{"path", frame.rays.path}, {"shadow", frame.rays.shadow}}}});
+    return {{"fps", report.play.fps}, {"average", report.play.average}, {"warmup", report.play.warmup}, {"drawn", frames}};
+}
+
 }  // namespace
 
 double RenderReport::trace_seconds() const {
@@ -34,7 +41,8 @@ double RenderReport::mega_rays_per_second() const {
 }
 
 double RenderReport::mega_samples_per_second() const {
-    const double samples = finished_end > resumed_at ? double(finished_end - resumed_at) * size.width * size.height : 0;
+    const double drawn = play ? double(play->frames.size()) * double(frame_samples) : finished_end > resumed_at ? double(finished_end - resumed_at) : 0;
+    const double samples = drawn * size.width * size.height;
     return render_seconds > 0 ? samples / render_seconds / 1e6 : 0;
 }
 
@@ -45,7 +53,10 @@ Json report_json(const RenderReport& report) {
     for (const gpu::MemoryUse& use : report.memory) memory[use.group] = use.bytes;
     for (const auto& file : report.written) files.push_back(file.string());
     const bool complete = report.finished_end == report.wanted.end;
-    return {{"renderer", report.renderer},
+    const uint64_t wanted = report.wanted.end - report.wanted.begin;
+    Json length = {{"spp", report.sample_count()}, {"spp_wanted", wanted}, {"first_sample", report.wanted.begin}, {"resumed_at", report.resumed_at}};
+    if (report.play) length = {{"frames", report.sample_count()}, {"frames_wanted", wanted}, {"first_frame", report.wanted.begin}, {"spp", report.frame_samples}, {"play", play_json(*report.play)}};
+    Json out = {{"renderer", report.renderer},
             {"device", report.device},
             {"driver", report.driver},
             {"trace", report.trace},
@@ -57,12 +68,9 @@ Json report_json(const RenderReport& report) {
             {"instances", report.instances},
             {"lights", report.lights},
             {"size", {report.size.width, report.size.height}},
-            {"max_bounces", report.max_bounces},
-            {"spp", report.sample_count()},
-            {"spp_wanted", report.wanted.end - report.wanted.begin},
-            {"first_sample", report.wanted.begin},
-            {"resumed_at", report.resumed_at},
-            {"complete", complete},
+            {"max_bounces", report.max_bounces}};
+    out.update(length);
+    out.update({{"complete", complete},
             {"interrupted", report.interrupt != platform::Interrupt::None},
             {"out_of_time", report.out_of_time},
             {"exposure_ev100", report.exposure_ev},
@@ -83,7 +91,8 @@ Json report_json(const RenderReport& report) {
             {"bottom_levels", {{"bytes_built", report.bottom_bytes_built}, {"bytes", report.bottom_bytes}}},
             {"peak_host_bytes", report.peak_host_bytes},
             {"peak_device_bytes", report.peak_device_bytes},
-            {"outputs", files}};
+            {"outputs", files}});
+    return out;
 }
 
 }  // namespace parhelion

@@ -28,7 +28,7 @@ constexpr uint32_t kLength = 1, kViewpoint = 2;  // exclusive groups
 const OptionSpec kOptions[] = {
     // The picture
     {.name = "--renderer", .section = "Picture", .commands = kDraw, .kind = ValueKind::Choice, .value = "NAME", .fallback = "reference",
-     .help = "how light is computed", .choices = "reference|wavefront|realtime", .absent_choices = "realtime"},
+     .help = "how light is computed", .choices = "reference|wavefront|realtime"},
     {.name = "--size", .section = "Picture", .commands = kDraw, .kind = ValueKind::Size, .value = "WxH", .fallback = "1280x720",
      .help = "width and height of the picture in pixels"},
     {.name = "--seed", .section = "Picture", .commands = kDraw, .kind = ValueKind::Integer, .value = "S", .fallback = "0",
@@ -41,13 +41,14 @@ const OptionSpec kOptions[] = {
      .help = "only the samples A <= index < B (multiples of 64): writes a part for `parhelion merge`", .bits = kNotInPreset,
      .renderers = kPathTracers, .instead = kUseFrames, .exclusive = kLength},
     {.name = "--frames", .section = "Picture", .commands = kRender, .kind = ValueKind::CountOrRange, .value = "N|A-B",
-     .help = "number of frames, or a range of them", .bits = kAbsent, .renderers = kRealtime, .instead = kUseSpp, .exclusive = kLength},
+     .help = "number of frames, or a range of them, for --out NAME.####.exr (realtime: also for its last one alone; default 64)"},
     {.name = "--time-budget", .section = "Picture", .commands = kRender, .kind = ValueKind::Duration, .value = "TIME",
      .help = "stop after this time (30s, 5m, 1h) and write what is finished", .bits = kNotInPreset},
     {.name = "--max-bounces", .section = "Picture", .commands = kDraw, .kind = ValueKind::Integer, .value = "N", .fallback = "16",
      .help = "how often a path may scatter: 1 is direct light only, 0 is unlimited", .max = 65535},
     {.name = "--pixel-filter", .section = "Picture", .commands = kDraw, .kind = ValueKind::Choice, .value = "NAME", .fallback = "box",
-     .help = "box: rays spread over the pixel; point: all through its centre", .choices = "box|point"},
+     .help = "box: rays spread over the pixel; point: all through its centre", .choices = "box|point", .renderers = kPathTracers,
+     .instead = "leave it out: the realtime renderer looks through the centres of pixels"},
     {.name = "--exposure", .section = "Picture", .commands = kDraw, .kind = ValueKind::Number, .value = "EV|scene", .fallback = "scene",
      .help = "EV100 of the PNG; scene: metered by a small probe, printed and recorded", .choices = "scene", .min = -32, .max = 32},
     {.name = "--tonemap", .section = "Picture", .commands = kDraw | kMerge, .kind = ValueKind::Choice, .value = "NAME", .fallback = "agx",
@@ -58,9 +59,9 @@ const OptionSpec kOptions[] = {
      .help = "render smaller by this factor and reconstruct", .min = 1, .max = 4, .bits = kAbsent, .renderers = kRealtime,
      .instead = kRealtimeOnly},
     {.name = "--average", .section = "Picture", .commands = kRender, .help = "write the mean of all frames after the warm-up",
-     .bits = kAbsent, .renderers = kRealtime, .instead = kUseSpp},
+     .renderers = kRealtime, .instead = kUseSpp},
     {.name = "--warmup", .section = "Picture", .commands = kRender, .kind = ValueKind::Integer, .value = "N",
-     .help = "frames before the first that --average counts", .max = 1 << 20, .bits = kAbsent, .renderers = kRealtime, .instead = kUseSpp},
+     .help = "frames before the first that --average counts (default 64)", .max = 1 << 20, .renderers = kRealtime, .instead = kUseSpp},
 
     // Camera and time
     {.name = "--camera", .section = "Camera and time", .commands = kDraw, .kind = ValueKind::Text, .value = "NAME|INDEX",
@@ -72,7 +73,7 @@ const OptionSpec kOptions[] = {
     {.name = "--fov", .section = "Camera and time", .commands = kDraw, .kind = ValueKind::Number, .value = "DEG",
      .help = "vertical field of view in degrees", .min = 0.1, .max = 175},
     {.name = "--fps", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "F",
-     .help = "frames per second of the scene's clock; 0 holds time", .min = 0, .max = 1e6, .bits = kAbsent},
+     .help = "frames per second of the scene's clock; 0, the default, holds time", .min = 0, .max = 1e6},
     {.name = "--camera-path", .section = "Camera and time", .commands = kDraw, .kind = ValueKind::File, .value = "F.json",
      .help = "a camera that moves along the keys of a file (docs/camera.md); --time says where on it", .exclusive = kViewpoint},
     {.name = "--aperture-radius", .section = "Camera and time", .commands = kDraw, .kind = ValueKind::Number, .value = "METRES",
@@ -80,7 +81,8 @@ const OptionSpec kOptions[] = {
     {.name = "--focus-distance", .section = "Camera and time", .commands = kDraw, .kind = ValueKind::Number, .value = "METRES",
      .help = "depth at which the lens is sharp (default: of what lies in the picture's middle)", .min = 1e-6, .max = 1e9},
     {.name = "--shutter", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "SECONDS", .fallback = "0",
-     .help = "how long the shutter stays open from --time on: the camera moves meanwhile, objects stand still", .max = 1e6},
+     .help = "how long the shutter stays open from --time on: the camera moves meanwhile, objects stand still", .max = 1e6,
+     .renderers = kPathTracers, .instead = "leave it out: the realtime renderer's frames are moments"},
 
     // Scene
     {.name = "--time", .section = "Scene", .commands = kTakesScene, .kind = ValueKind::Number, .value = "T", .fallback = "0",
@@ -216,6 +218,7 @@ const CommandSpec kCommands[] = {
       "parhelion render scene.glb --env sky.hdr --size 1920x1080 --spp 256 --out a.exr --out a.png",
       "parhelion render scene.glb --look-from 3,2,5 --look-at 0,1,0 --fov 40 --out a.png",
       "parhelion render scene.glb --spp-range 0-512 --out part0.exr --json part0.json",
+      "parhelion render builtin:diorama --animate robot --frames 120 --fps 30 --spp 64 --out robot.####.png",
       "parhelion render scene.glb --spp 4096 --checkpoint a.state --resume --out a.exr",
       "parhelion render builtin:cornell --set sampler.kind=pcg --out a.exr"}},
     {Command::View, "view", "SCENE", 1, 1, "look at a scene in a window",
@@ -252,7 +255,7 @@ const CommandSpec kCommands[] = {
     {Command::Bench, "bench", "[SUITE]", 0, 1, "measure speed: scenes x renderers x ways to trace",
      "SUITE is quick (default), full, replay (which share of a pass its rays alone take), reference (the path tracer on large "
      "scenes, shading in raygen and in closest-hit shaders), wavefront (that with 8 bounces beside the wavefront in each of its forms, with its occupancy and "
-     "which share of Extend's and Connect's time their rays alone take), or trace (millions of primary, diffuse and shadow rays a second by each way to "
+     "which share of Extend's and Connect's time their rays alone take), realtime (passes of the realtime renderer while the camera turns; --spp: frames), or trace (millions of primary, diffuse and shadow rays a second by each way to "
      "trace when a pass does nothing else, in rooms of 10,368, 249,600 and 1,997,568 triangles as one mesh and as instances: room-s, room-m, "
      "room-l, room-s-instanced, ...). Prints a table, and JSON with --json. "
      "Compare numbers of one device only.",
@@ -281,7 +284,7 @@ constexpr NamedHelp kEnvironment[] = {
     {"PARHELION_LOG", "trace, debug, info (default), warn, error or off"},
     {"PARHELION_CACHE_DIR", "folder of the pipeline caches and of what devices --measure found (default: the user's cache folder)"},
     {"NO_COLOR", "no colours on the terminal"},
-    {"PARHELION_MASK", "for tests: ways to trace that devices are taken not to have: pipeline, query or pipeline,query"},
+    {"PARHELION_MASK", "for tests: what devices are taken not to have, a list: pipeline and query (ways to trace), raster, draw_count (draws of a counted length)"},
     {"PARHELION_SHADER_DIR", "for tests: a folder with a shaders.pack that replaces the embedded one"},
 };
 

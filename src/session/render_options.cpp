@@ -46,6 +46,36 @@ void read_length(const OptionValues& values, RenderOptions& options) {
     options.is_part = true;
 }
 
+[[noreturn]] void refuse(const std::string& where, std::string what, std::string hint) { throw Error(ErrorCode::Usage, std::move(what), where, std::move(hint)); }
+
+void read_play(const OptionValues& values, RenderOptions& options) {
+    const bool realtime = options.renderer == RendererKind::Realtime;
+    if (!realtime && !values.given("--frames")) {
+        if (values.given("--fps")) refuse(values.where("--fps"), "it is for frames", "add --frames N and --out NAME.####.exr");
+        return;
+    }
+    FramePlay play;
+    constexpr uint64_t kWarmup = 64;
+    play.average = values.flag("--average");
+    if (play.average) play.warmup = values.given("--warmup") ? read_uint(values, "--warmup") : kWarmup;
+    else if (values.given("--warmup")) refuse(values.where("--warmup"), "it needs --average", "a sequence is written from --frames A-B on");
+    play.frames.end += play.warmup;
+    if (values.given("--fps")) play.fps = parse_float(values.text("--fps"), "--fps");
+    if (values.given("--frames")) {
+        const std::string text = values.text("--frames");
+        play.frames = text.find('-', 1) != std::string::npos ? parse_range(text, "--frames") : IndexRange{0, read_uint(values, "--frames")};
+    }
+    if (play.frames.end <= play.warmup && play.average)
+        refuse(values.where("--frames"), fmt::format("{} frames are no more than the warm-up of {}", play.frames.end, play.warmup), "ask for more, or set --warmup N");
+    if (options.is_part) refuse(values.where("--frames"), "it cannot be used together with --spp-range", "--frames A-B draws a part of a sequence");
+    // A path tracer's frames have different samples, so that noise does not stand still.
+    const uint64_t samples = realtime ? 1 : (options.samples.end + kSampleBlock - 1) / kSampleBlock * kSampleBlock;
+    constexpr uint64_t kMaxSamples = 1 << 30;
+    if (play.frames.end > kMaxSamples / samples)
+        refuse(values.where("--frames"), fmt::format("{} is out of range", play.frames.end), fmt::format("up to {}", kMaxSamples / samples));
+    options.play = play;
+}
+
 void read_view(const OptionValues& values, RenderOptions& options) {
     if (values.given("--camera")) options.camera = values.text("--camera");
     options.look_from = read_optional_vector(values, "--look-from");
@@ -72,6 +102,25 @@ bool has_extension(const std::filesystem::path& file, std::string_view extension
     return own == extension;
 }
 
+// One kind of output: a sequence, or one picture.
+void check_sequence(const OptionValues& values, const RenderOptions& options) {
+    const auto& files = options.output.files;
+    const auto sequences = std::count_if(files.begin(), files.end(), is_sequence);
+    if (!options.play) {
+        if (sequences != 0) refuse("--out", "'#' stands for the numbers of frames", "add --frames N");
+        return;
+    }
+    if (!options.checkpoint.empty()) refuse(values.where("--checkpoint"), "a sequence has none", "--frames A-B goes on where it has stopped");
+    const bool one_picture = sequences != static_cast<std::ptrdiff_t>(files.size());
+    if (sequences != 0 && one_picture) refuse("--out", "a sequence and a picture cannot be written together", "give every name a '####', or none");
+    for (const auto& file : files)
+        if (const std::string name = file.filename().string(); is_sequence(file) && name.find_first_not_of('#', name.find('#')) < name.rfind('#'))
+            refuse("--out", fmt::format("'{}' has several runs of '#'", escape_name(file.string())), "use one, as in NAME.####.exr");
+    if (one_picture && options.renderer != RendererKind::Realtime) refuse("--out", "a path tracer's frames are pictures of their own", "name them --out NAME.####.exr");
+    if (one_picture && options.play->frames.begin != 0) refuse(values.where("--frames"), "one picture has no first frame", "use --frames N, or --out NAME.####.exr");
+    if (sequences != 0 && options.play->average) refuse(values.where("--average"), "the mean is one picture", "use --out NAME.exr");
+}
+
 void check_outputs(const OptionValues& values, const RenderOptions& options) {
     const bool exr =
         std::any_of(options.output.files.begin(), options.output.files.end(), [](const auto& file) { return has_extension(file, ".exr"); });
@@ -81,11 +130,20 @@ void check_outputs(const OptionValues& values, const RenderOptions& options) {
         throw Error(ErrorCode::Usage, "a part is written to exactly one EXR", "--out",
                     "use --out PART.exr; parhelion merge writes the picture");
     if (!options.aovs.empty() && !exr) throw Error(ErrorCode::Usage, "layers need an EXR", values.where("--aov"), "add --out F.exr");
+    check_sequence(values, options);
     if (options.resume && options.checkpoint.empty())
         throw Error(ErrorCode::Usage, "there is nothing to resume from", "--resume", "add --checkpoint F");
 }
 
 }  // namespace
+
+bool is_sequence(const std::filesystem::path& file) { return file.filename().string().find('#') != std::string::npos; }
+
+std::filesystem::path frame_file(const std::filesystem::path& pattern, uint64_t frame) {
+    const std::string name = pattern.filename().string();
+    const size_t first = name.find('#'), end = std::min(name.find_first_not_of('#', first), name.size());
+    return pattern.parent_path() / (name.substr(0, first) + fmt::format("{:0{}}", frame, end - first) + name.substr(end));
+}
 
 bool is_png(const std::filesystem::path& file) { return has_extension(file, ".png"); }
 
@@ -127,6 +185,8 @@ RenderOptions read_picture(const OptionValues& values) {
     options.renderer = read_choice<RendererKind>(values, "--renderer");
     options.size = parse_size(values.text("--size"), "--size");
     options.seed = read_uint(values, "--seed");
+    read_length(values, options);
+    read_play(values, options);
     options.max_bounces = read_uint(values, "--max-bounces");
     options.point_filter = values.text("--pixel-filter") == "point";
     if (values.text("--exposure") != "scene") options.exposure_ev = parse_float(values.text("--exposure"), "--exposure");

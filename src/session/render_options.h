@@ -24,6 +24,14 @@ struct OutputOptions {
     image::ToneCurve tonemap = image::ToneCurve::Agx;
 };
 
+// Frames on the scene's clock: all of a sequence, the last one, or the mean of many.
+struct FramePlay {
+    IndexRange frames{0, 64};  // half open
+    double fps = 0;            // 0: the clock stands at --time
+    bool average = false;      // one picture: the mean of all frames after the warm-up
+    uint64_t warmup = 0;       // frames
+};
+
 struct RenderOptions {
     std::string scene;  // file or builtin:NAME; empty with print_settings
     LoadOptions load;
@@ -32,6 +40,7 @@ struct RenderOptions {
     uint32_t seed = 0;
     IndexRange samples{0, 64};  // half open
     bool is_part = false;       // --spp-range: sums for `merge` instead of a picture
+    std::optional<FramePlay> play;  // none: one picture of one moment. Of a path tracer every frame has all of `samples`
     std::optional<double> time_budget_seconds;
     uint32_t max_bounces = 16;  // 0: unlimited
     bool point_filter = false;
@@ -70,6 +79,9 @@ RenderOptions read_render_options(const OptionValues& values);
 RenderOptions read_view_options(const OptionValues& values);
 OutputOptions read_output_options(const OptionValues& values);
 LoadOptions read_load_options(const OptionValues& values);  // of every command that takes a scene
+// "a.####.exr" stands for a file a frame: a run of '#' for its number with at least as many digits.
+bool is_sequence(const std::filesystem::path& file);
+std::filesystem::path frame_file(const std::filesystem::path& pattern, uint64_t frame);
 bool is_png(const std::filesystem::path& file);  // by its extension; the other format is EXR
 
 }  // namespace parhelion

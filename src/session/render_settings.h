@@ -1,5 +1,6 @@
 #pragma once
 // The settings of `--set group.field=value`: what a picture depends on and seldom needs an option of its own.
+#include "base/error.h"
 #include "base/settings.h"
 #include "renderers/cache_options.h"
 #include "renderers/realtime.h"
@@ -33,6 +34,7 @@ struct RenderSettings {
     Switch wavefront_classes = Switch::On;
     uint32_t wavefront_memory_mb = 512;
     RealtimeReuse realtime_reuse = RealtimeReuse::None;
+    GBufferMode gbuffer_mode = GBufferMode::Auto;
     Switch realtime_cache = Switch::On, realtime_tiles = Switch::On;
     uint32_t realtime_candidates = 8, realtime_path_bounces = 3;
     CacheOptions cache;
@@ -86,6 +88,7 @@ void visit(V&& v, RenderSettings& s) {
             "one kernel of Shade for all materials, or one for each class of them");
     v.field("wavefront.memory_mb", s.wavefront_memory_mb, range(1, 1 << 20), "most that what waits for wavefront.connect=once may take, and as much for finished samples");
     v.field("realtime.reuse", s.realtime_reuse, choices({"full", "none", "unbiased"}), "reservoirs that share samples between pixels and frames; only none so far: each pixel's light is its own");
+    v.field("gbuffer.mode", s.gbuffer_mode, choices({"auto", "raster", "trace"}), "what the realtime renderer finds the triangles under pixels with; auto: the faster one for devices of this class");
     v.field("realtime.cache", s.realtime_cache, choices({"off", "on"}), "paths end in the world cache, or go to their full depth (--max-bounces)");
     v.field("realtime.tiles", s.realtime_tiles, choices({"off", "on"}), "the first surface's light is chosen among candidates out of light tiles, or sampled as by the reference");
     v.field("realtime.candidates", s.realtime_candidates, range(1, 64), "light samples that the first surface's one is chosen from");
@@ -104,8 +107,17 @@ inline WavefrontOptions wavefront_options(const RenderSettings& s) {
             .sample_bytes = uint64_t{s.wavefront_memory_mb} << 20};
 }
 
+// Throws a usage Error for what the realtime renderer cannot do.
+inline void check_realtime(const RenderSettings& s) {
+    if (s.realtime_reuse != RealtimeReuse::None)
+        throw Error(ErrorCode::Usage, "reservoirs are not in this version", "realtime.reuse", "use realtime.reuse=none");
+    if (s.texture_lod != TextureLod::Full || s.shade_in != ShadeIn::Raygen)
+        throw Error(ErrorCode::Usage, "the realtime renderer reads textures at full resolution, and shades where it traces", "--renderer realtime", "leave texture.lod and reference.shade_in as they are");
+}
+
 inline RealtimeOptions realtime_options(const RenderSettings& s) {
-    return {.candidates = s.realtime_candidates,
+    return {.gbuffer = s.gbuffer_mode,
+            .candidates = s.realtime_candidates,
             .tiles = s.realtime_tiles == Switch::On,
             .cache = s.realtime_cache == Switch::On,
             .path_bounces = s.realtime_path_bounces,

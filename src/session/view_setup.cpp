@@ -13,7 +13,7 @@ ViewDesc describe_view(const RenderOptions& options, const RenderSettings& setti
             .seed = options.seed,
             .max_bounces = options.max_bounces == 0 ? 0xFFFFFFFFu : options.max_bounces,
             .sampler = settings.sampler,
-            .filter = options.point_filter ? PixelFilter::Point : PixelFilter::Box,
+            .filter = options.point_filter || options.renderer == RendererKind::Realtime ? PixelFilter::Point : PixelFilter::Box,
             .roulette_start = settings.roulette_start,
             .light_sampling = static_cast<uint32_t>(settings.light_sampling),
             .texture_lod = settings.texture_lod,
@@ -31,6 +31,7 @@ SceneGpuOptions describe_scene_gpu(const RenderSettings& settings, const TraceDe
             .infinite_share = settings.infinite_share,
             .hardware = hardware,
             .own_bvh = !hardware,
+            .raster = settings.gbuffer_mode == GBufferMode::Raster,
             .node_layout = trace.layout,
             .bvh_loop = settings.bvh_loop};
 }

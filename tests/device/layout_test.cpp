@@ -12,7 +12,7 @@ namespace {
 
 class Layout : public GpuTest {};
 
-constexpr const char* kHeaders[] = {"bvh.h", "hit.h", "reference.h", "scene.h", "view.h", "sampler.h", "wavefront.h"};
+constexpr const char* kHeaders[] = {"bvh.h", "hit.h", "reference.h", "raster.h", "scene.h", "view.h", "sampler.h", "wavefront.h"};
 
 // struct name -> text between its braces, of all shared headers.
 std::map<std::string, std::string> shared_structs() {

@@ -32,10 +32,10 @@ TEST_F(BuiltinPictures, a_shut_leak_box_is_black_inside_and_light_enters_by_its_
     for (const char* name : {"inside 1 cm", "inside 5 cm", "inside 20 cm"})
         EXPECT_EQ(mean_rgb(stage.picture({.camera = camera_named(stage.scene, name), .sample_count = 16})), 0.0) << name;
     EXPECT_GT(mean_rgb(stage.picture({.camera = camera_named(stage.scene, "outside"), .sample_count = 4})), 10.0);
-    stage.step(loaded.scripted_edits.at(1).apply(2.0));
+    stage.step(loaded.scripted_edits.at(1).apply(stage.scene, 2.0));
     EXPECT_GT(mean_rgb(stage.picture({.camera = camera_named(stage.scene, "inside 5 cm"), .sample_count = 16})), 1.0);
     EXPECT_EQ(mean_rgb(stage.picture({.camera = camera_named(stage.scene, "inside 20 cm"), .sample_count = 16})), 0.0);
-    stage.step(loaded.scripted_edits.at(0).apply(1.5));
+    stage.step(loaded.scripted_edits.at(0).apply(stage.scene, 1.5));
     EXPECT_EQ(mean_rgb(stage.picture({.camera = camera_named(stage.scene, "inside 5 cm"), .sample_count = 4})), 0.0);
 }
 

@@ -55,7 +55,7 @@ TEST_F(HostRenderer, views_accumulate_apart_and_start_anew_when_something_change
     draw(renderer, a, ldr);
     EXPECT_EQ(film(a), a_once);
 
-    renderer.sync(loaded_.scene, loaded_.scene.apply(loaded_.scripted_edits.at(0).apply(0.5)));
+    renderer.sync(loaded_.scene, loaded_.scene.apply(loaded_.scripted_edits.at(0).apply(loaded_.scene, 0.5)));
     draw(renderer, a, ldr);
     draw(renderer, b, ldr);
     EXPECT_EQ(a.accumulation().samples, 64u);

@@ -200,7 +200,7 @@ TEST(BuiltinWorlds, many_lights_has_8000_boxes_and_441_lights_that_may_vanish) {
         return count;
     };
     EXPECT_EQ(seen(), 441);
-    loaded.scene.apply(loaded.scripted_edits.at(1).apply(0.3));
+    loaded.scene.apply(loaded.scripted_edits.at(1).apply(loaded.scene, 0.3));
     EXPECT_GT(seen(), 441 - 221);
     EXPECT_LT(seen(), 400);
 }
@@ -217,7 +217,7 @@ TEST(BuiltinWorlds, nothing_gets_out_of_a_leak_box_until_its_door_opens) {
     EXPECT_EQ(count("inside 1 cm", 0.01f, -1.8f), 0);
     EXPECT_EQ(count("inside 5 cm", 0.05f, 0.0f), 0);
     EXPECT_EQ(count("inside 20 cm", 0.20f, 1.8f), 0);
-    loaded.scene.apply(loaded.scripted_edits.at(1).apply(2.0));
+    loaded.scene.apply(loaded.scripted_edits.at(1).apply(loaded.scene, 2.0));
     EXPECT_GT(count("inside 5 cm", 0.05f, 0.0f), 50);
     EXPECT_EQ(count("inside 1 cm", 0.01f, -1.8f), 0);
     // The walls are as thick as they say.
@@ -281,7 +281,7 @@ TEST(BuiltinWorlds, diorama_and_reflections_have_their_materials_and_edits) {
 
 TEST(BuiltinWorlds, animate_puts_a_scene_into_the_state_of_its_time) {
     LoadedScene expected = builtin_once("builtin:leak-box");
-    expected.scene.apply(expected.scripted_edits.at(1).apply(1.25));
+    expected.scene.apply(expected.scripted_edits.at(1).apply(expected.scene, 1.25));
     LoadOptions options;
     options.animate = "door";
     options.time = 1.25;

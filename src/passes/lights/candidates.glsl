@@ -51,17 +51,4 @@ Candidate choose_candidate(ViewData view, PathKey key, Shading shading, Tiles ti
     if (kept.emitter != kNone) kept.scale = sum / (float(count) * kept_target);
     return kept;
 }
-
-// The next event of the first surface by one of `count` candidates.
-NextEvent resampled_event(ViewData view, PathState path, PathKey key, Shading shading, Tiles tiles, uint count, uint alpha_key) {
-    NextEvent event;
-    event.exists = false;
-    const Candidate kept = choose_candidate(view, key, shading, tiles, count);
-    if (kept.scale <= 0.0) return event;
-    const LightPick pick = LightPick(kept.emitter, kept.triangle, pick_probability(kept.emitter, kept.triangle));
-    const LightSample light = sample_light(pick, shading.s.position_ws, tile_numbers(kept.place, key.sample_index, key.seed, 1u));
-    event = next_event(view, path, shading, light, 1.0 / float(count), alpha_key);
-    event.value = scale(event.value, vec3(kept.scale));
-    return event;
-}
 #endif

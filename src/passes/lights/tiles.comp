@@ -24,11 +24,15 @@ TileSample draw_sample(uint place) {
         if (light.infinite) return TileSample(light.wi, 0u, log_code(light.radiance / light.pdf) | (light.is_delta ? kTileDeltaInfinite : kTileInfinite) << kTileKindShift, 1.0 / light.pdf, pick.emitter, 0u);
         return TileSample(emitter.position_ws, 0u, log_code(emitter.intensity / pick.probability) | kTilePoint << kTileKindShift, 1.0 / pick.probability, pick.emitter, 0u);
     }
-    const LightPoint point = point_on_mesh(pick, emitter, u.xy);
+    const Instance instance = scene_instance(emitter.instance);
+    const Geometry geometry = scene_geometry(emitter.geometry);
+    const Material material = scene_material(geometry.material);
+    const LightPoint point = point_on_mesh(pick, instance, geometry, u.xy);
     if (point.double_area_ws <= 0.0) return none;
+    const vec3 radiance = radiance_on_mesh(pick, point, instance, geometry, material, vec3(0.0));
     const float inverse_pdf = 0.5 * point.double_area_ws / pick.probability;
-    const uint kind = point.double_sided ? kTileMeshBothSides : kTileMesh;
-    return TileSample(point.position_ws, pack_direction(point.normal / point.double_area_ws), log_code(point.radiance * inverse_pdf) | kind << kTileKindShift, inverse_pdf, pick.emitter, pick.triangle);
+    const uint kind = (material.flags & kMaterialDoubleSided) != 0u ? kTileMeshBothSides : kTileMesh;
+    return TileSample(point.position_ws, pack_direction(point.normal / point.double_area_ws), log_code(radiance * inverse_pdf) | kind << kTileKindShift, inverse_pdf, pick.emitter, pick.triangle);
 }
 
 void main() {

@@ -36,23 +36,22 @@ vec3 reflected_share(Shading shading, BsdfSample drawn, bool everything) {
 
 // What the cache sends along the path from here; `last`: it must end here, so that all lobes count as diffuse ones. False: it may not end,
 // or nothing is known.
-bool end_in_cache(Cache cache, ViewData view, PathKey key, PathState path, VertexBegin begin, Footprint f, bool last, out vec3 light) {
+bool end_in_cache(Cache cache, ViewData view, PathKey key, PathState path, Shading shading, VertexNumbers u, Footprint f, bool last, inout vec3 light) {
     if (!last && !f.broad) return false;
-    const Surface s = begin.shading.s;
+    const Surface s = shading.s;
     const uint kCacheSalt = 0x43414348u;
-    const float u = uint_to_unit_float(hash_combine(alpha_key(key, path.path_class.bounce, kRayPath), kCacheSalt));
-    const CachePoint at = cache_point(s, -path.ray.direction_ws, cache_footprint(cache, f.cone.width, view.pixel_width + view.pixel_spread * f.way), u);
+    const float u_level = uint_to_unit_float(hash_combine(alpha_key(key, path.path_class.bounce, kRayPath), kCacheSalt));
+    const CachePoint at = cache_point(s, -path.ray.direction_ws, cache_footprint(cache, f.cone.width, view.pixel_width + view.pixel_spread * f.way), u_level);
     if (!last && path.travelled + s.t <= sqrt(3.0) * cache_cell_size(cache, at)) return false;
     vec3 irradiance;
     if (!cache_visit(cache, at, cache.v.life, irradiance)) return false;
-    const BsdfSample drawn = sample_bsdf(begin.shading.bsdf, begin.shading.wo, begin.u_scatter.x, begin.u_scatter.yz);
-    light = path.throughput * reflected_share(begin.shading, drawn, last) * irradiance / (kPi * cache.v.exposure);
+    const BsdfSample drawn = sample_bsdf(shading.bsdf, shading.wo, u.scatter.x, u.scatter.yz);
+    light = path.throughput * reflected_share(shading, drawn, last) * irradiance / (kPi * cache.v.exposure);
     return true;
 }
 
 // After that: the path goes on by the other lobes, as often as they are drawn. False: it ends.
-bool keep_glossy(inout PathState path, inout VertexBegin begin, PathKey key, out float share) {
-    const Shading shading = begin.shading;
+bool keep_glossy(inout PathState path, Shading shading, PathKey key, out float share) {
     const LobeShares shares = lobe_shares(shading.bsdf, shading.wo, bsdf_place(shading.bsdf, shading.wo));
     const uint kGlossySalt = 0x474C4F53u;
     const float u = uint_to_unit_float(hash_combine(alpha_key(key, path.path_class.bounce, kRayPath), kGlossySalt));
@@ -63,20 +62,20 @@ bool keep_glossy(inout PathState path, inout VertexBegin begin, PathKey key, out
 }
 
 // Continues by those lobes. Where there is only one, it is drawn each time, and the weight is its own.
-bool scatter_glossy(inout PathState path, VertexBegin begin, float share, uint alpha_key) {
-    vec3 u = begin.u_scatter;
+bool scatter_glossy(inout PathState path, Shading shading, VertexNumbers numbers, float share, uint alpha_key) {
+    vec3 u = numbers.scatter;
     bool alone = true;
 #ifdef LAYERS
-    alone = !is_layered(begin.shading.bsdf) && !has_glass(begin.shading.bsdf);
+    alone = !is_layered(shading.bsdf) && !has_glass(shading.bsdf);
 #endif
     if (alone) u.x *= share;
-    if (!scatter(path, begin.shading, u, false, alpha_key)) return false;
+    if (!scatter(path, shading, u, false, alpha_key)) return false;
     if (!alone) return true;
     if (path.pdf < 0.0) {
         path.throughput *= share;
         return true;
     }
-    const float cosine = dot(path.ray.direction_ws, begin.shading.frame[2]);
+    const float cosine = dot(path.ray.direction_ws, shading.frame[2]);
     const float of_lobe = max(path.pdf - (1.0 - share) * pdf_cosine_hemisphere_solid_angle(cosine), 1e-6 * path.pdf);
     path.throughput *= share * path.pdf / of_lobe;
     return true;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "scene/builtin/scripts.h"
+
 namespace parhelion::builtin {
 
 namespace {
@@ -47,14 +49,14 @@ void add_cameras(SceneEdit& edit) {
 }
 
 void add_moving(LoadedScene& out, const DioramaHandles& handles) {
-    out.scripted_edits.push_back({"ball", "a ball rolls over the rug and back, once in 8 seconds", [node = handles.ball](double seconds) {
+    out.scripted_edits.push_back({"ball", "a ball rolls over the rug and back, once in 8 seconds", [node = handles.ball](const Scene&, double seconds) {
                                       SceneEdit step;
                                       step.set_transform(node, ball_at(seconds));
                                       return step;
                                   }});
     const Transform shut = out.scene.get(handles.door).local;
     out.scripted_edits.push_back(
-        {"door", "the left door of the cupboard opens and shuts, once in 6 seconds", [node = handles.door, shut](double seconds) {
+        {"door", "the left door of the cupboard opens and shuts, once in 6 seconds", [node = handles.door, shut](const Scene&, double seconds) {
              const double open = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * seconds / 6.0);
              Transform local = shut;
              local.rotation = glm::angleAxis(float(glm::radians(-115.0) * open), glm::vec3(0.0f, 1.0f, 0.0f));
@@ -62,7 +64,7 @@ void add_moving(LoadedScene& out, const DioramaHandles& handles) {
              step.set_transform(node, local);
              return step;
          }});
-    out.scripted_edits.push_back({"robot", "the toy robot walks in a circle, once round in 12 seconds", [handles](double seconds) {
+    out.scripted_edits.push_back({"robot", "the toy robot walks in a circle, once round in 12 seconds", [handles](const Scene&, double seconds) {
                                       SceneEdit step;
                                       step.set_transform(handles.robot, robot_at(seconds));
                                       for (const int side : {0, 1}) {
@@ -72,7 +74,7 @@ void add_moving(LoadedScene& out, const DioramaHandles& handles) {
                                       return step;
                                   }});
     out.scripted_edits.push_back(
-        {"lights", "the fairy lights vanish and come again one after the other", [handles](double seconds) {
+        {"lights", "the fairy lights vanish and come again one after the other", [handles](const Scene&, double seconds) {
              SceneEdit step;
              for (size_t i = 0; i < handles.bulbs.size(); ++i) {
                  const double t = seconds / 4.0 - double(i) / double(handles.bulbs.size());
@@ -87,7 +89,7 @@ void add_moving(LoadedScene& out, const DioramaHandles& handles) {
 void add_camera_walk(LoadedScene& out) {
     const Handle<Camera> nook = *out.scene.cameras().handle_at(0);
     const glm::mat4 start = out.scene.get(nook).place.node_from_object;
-    out.scripted_edits.push_back({"walk", "the camera \"nook\" comes nearer, 40 cm a second", [nook, start](double seconds) {
+    out.scripted_edits.push_back({"walk", "the camera \"nook\" comes nearer, 40 cm a second", [nook, start](const Scene&, double seconds) {
                                       glm::mat4 now = start;
                                       now[3] -= float(0.4 * seconds) * start[2];
                                       SceneEdit step;
@@ -98,18 +100,10 @@ void add_camera_walk(LoadedScene& out) {
 
 // Off and on, each for a second: the shade and the bulb.
 void add_lamp_switch(LoadedScene& out) {
-    std::vector<std::pair<Handle<Material>, Material>> glowing;
+    std::vector<Handle<Material>> glowing;
     for (const auto& [handle, material] : out.scene.materials())
-        if (material.name.starts_with("lamp ")) glowing.emplace_back(handle, material);
-    out.scripted_edits.push_back({"lamp", "the floor lamp is off every other second", [glowing](double seconds) {
-                                      SceneEdit step;
-                                      for (const auto& [handle, lit] : glowing) {
-                                          Material now = lit;
-                                          if (seconds / 2.0 - std::floor(seconds / 2.0) >= 0.5) now.emission = glm::vec3(0.0f);
-                                          step.set_material(handle, std::move(now));
-                                      }
-                                      return step;
-                                  }});
+        if (material.name.starts_with("lamp ")) glowing.push_back(handle);
+    out.scripted_edits.push_back(switched_materials("lamp", "the floor lamp is off every other second", out.scene, std::move(glowing)));
 }
 
 }  // namespace
@@ -140,6 +134,7 @@ LoadedScene make_diorama(const BuiltinOptions&) {
     add_lamp_switch(out);
     add_moving(out, handles);
     add_camera_walk(out);
+    out.scripted_edits.push_back(switched_light("sun", "a cloud hides the sun every other second", out.scene, *out.scene.lights().handle_at(0)));
     return out;
 }
 

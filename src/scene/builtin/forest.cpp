@@ -288,7 +288,7 @@ LoadedScene make_forest(const BuiltinOptions& options) {
     const ChangeSet changes = out.scene.apply(std::move(edit));
     for (Place& place : places) place.node = changes.resolve(place.node);
     out.scripted_edits.push_back(
-        {"wind", "the trees sway", [places = std::move(places)](double seconds) {
+        {"wind", "the trees sway", [places = std::move(places)](const Scene&, double seconds) {
              SceneEdit step;
              for (const Place& place : places) {
                  const double phase = 0.11 * double(place.at.x) + 0.07 * double(place.at.z);
@@ -301,7 +301,7 @@ LoadedScene make_forest(const BuiltinOptions& options) {
              return step;
          }});
     out.scripted_edits.push_back({"sun", "the sun rises and sets within 20 seconds",
-                                  [node = changes.resolve(sun_node), light = changes.resolve(sun_light)](double seconds) {
+                                  [node = changes.resolve(sun_node), light = changes.resolve(sun_light)](const Scene&, double seconds) {
                                       Transform local;
                                       SceneEdit step;
                                       step.set_light(light, sun_at(seconds, local.rotation));

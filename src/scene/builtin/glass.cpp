@@ -102,7 +102,7 @@ LoadedScene make_glass(const BuiltinOptions&) {
     add_camera(edit, "tumbler", {-0.6f, 1.1f, 2.9f}, {-0.9f, 0.45f, 0.7f}, glm::radians(30.0f));
     LoadedScene out;
     const ChangeSet changes = out.scene.apply(std::move(edit));
-    out.scripted_edits.push_back({"turn", "the thin pane turns about its middle, once in 8 seconds", [node = changes.resolve(pane)](double seconds) {
+    out.scripted_edits.push_back({"turn", "the thin pane turns about its middle, once in 8 seconds", [node = changes.resolve(pane)](const Scene&, double seconds) {
                                       SceneEdit step;
                                       step.set_transform(node, pane_at(seconds));
                                       return step;

@@ -3,6 +3,7 @@
 #include <span>
 
 #include "scene/builtin/scenes.h"
+#include "scene/builtin/scripts.h"
 #include "scene/shapes.h"
 
 namespace parhelion::builtin {
@@ -134,17 +135,9 @@ LoadedScene make_leak_box(const BuiltinOptions&) {
 
     LoadedScene out;
     const ChangeSet changes = out.scene.apply(std::move(edit));
-    const Handle<Material> lamp_material = changes.resolve(glow);
+    out.scripted_edits.push_back(switched_materials("lamp", "the room's lamp is off every other second", out.scene, {changes.resolve(glow)}));
     out.scripted_edits.push_back(
-        {"lamp", "the room's lamp is off every other second", [lamp_material, lit = out.scene.get(lamp_material)](double seconds) {
-             Material now = lit;
-             if (seconds / 2.0 - std::floor(seconds / 2.0) >= 0.5) now.emission = glm::vec3(0.0f);
-             SceneEdit step;
-             step.set_material(lamp_material, std::move(now));
-             return step;
-         }});
-    out.scripted_edits.push_back(
-        {"door", "the door of the 5 cm box opens and shuts, once in 4 seconds", [door = changes.resolve(door), shut](double seconds) {
+        {"door", "the door of the 5 cm box opens and shuts, once in 4 seconds", [door = changes.resolve(door), shut](const Scene&, double seconds) {
              const double open = 0.5 - 0.5 * std::cos(kTurn * seconds / 4.0);
              Transform local = shut;
              local.rotation = glm::angleAxis(float(glm::radians(-100.0) * open), glm::vec3(0.0f, 1.0f, 0.0f));
@@ -152,6 +145,10 @@ LoadedScene make_leak_box(const BuiltinOptions&) {
              step.set_transform(door, local);
              return step;
          }});
+    std::vector<glm::mat4> insides;
+    for (const auto& [handle, camera] : out.scene.cameras())
+        if (camera.name != "outside") insides.push_back(camera.place.node_from_object);
+    out.scripted_edits.push_back(camera_cut("cut", "the camera \"outside\" jumps from box to box and out again, every second", out.scene, *out.scene.cameras().handle_at(0), std::move(insides)));
     return out;
 }
 

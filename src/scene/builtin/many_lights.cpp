@@ -3,6 +3,7 @@
 
 #include "scene/builtin/random.h"
 #include "scene/builtin/scenes.h"
+#include "scene/builtin/scripts.h"
 #include "scene/builtin/textures.h"
 #include "scene/shapes.h"
 
@@ -85,7 +86,7 @@ LoadedScene make_many_lights(const BuiltinOptions&) {
     LoadedScene out;
     const ChangeSet changes = out.scene.apply(std::move(edit));
     for (Lamp& lamp : lamps) lamp.node = changes.resolve(lamp.node), lamp.material = changes.resolve(lamp.material);
-    out.scripted_edits.push_back({"drift", "every light circles about its place, once in 8 seconds", [lamps](double seconds) {
+    out.scripted_edits.push_back({"drift", "every light circles about its place, once in 8 seconds", [lamps](const Scene&, double seconds) {
                                       SceneEdit step;
                                       for (const Lamp& lamp : lamps) {
                                           const double angle = kTurn * (seconds / 8.0 + double(lamp.phase));
@@ -94,7 +95,7 @@ LoadedScene make_many_lights(const BuiltinOptions&) {
                                       }
                                       return step;
                                   }});
-    out.scripted_edits.push_back({"blink", "half of the lights vanish and come again, each once in 2 seconds", [lamps](double seconds) {
+    out.scripted_edits.push_back({"blink", "half of the lights vanish and come again, each once in 2 seconds", [lamps](const Scene&, double seconds) {
                                       SceneEdit step;
                                       for (size_t i = 0; i < lamps.size(); i += 2) {
                                           const double t = seconds / 2.0 + double(lamps[i].phase);
@@ -104,15 +105,20 @@ LoadedScene make_many_lights(const BuiltinOptions&) {
                                       }
                                       return step;
                                   }});
-    const Handle<Material> middle = lamps[lamps.size() / 2].material;
-    out.scripted_edits.push_back(
-        {"switch", "the light in the middle is off every other second", [middle, lit = out.scene.get(middle)](double seconds) {
-             Material now = lit;
-             if (seconds / 2.0 - std::floor(seconds / 2.0) >= 0.5) now.emission = glm::vec3(0.0f);
-             SceneEdit step;
-             step.set_material(middle, std::move(now));
-             return step;
-         }});
+    out.scripted_edits.push_back(switched_materials("switch", "the light in the middle is off every other second", out.scene, {lamps[lamps.size() / 2].material}));
+    std::vector<std::pair<Lamp, Handle<Mesh>>> guests;
+    for (size_t i = 0; i < lamps.size(); i += 3) guests.emplace_back(lamps[i], out.scene.get(out.scene.get(lamps[i].node).instances.front()).mesh);
+    out.scripted_edits.push_back({"guests", "a third of the lights are taken away and put back, each once in 2 seconds", [guests](const Scene& scene, double seconds) {
+                                      SceneEdit step;
+                                      for (const auto& [lamp, mesh] : guests) {
+                                          const double t = seconds / 2.0 + double(lamp.phase);
+                                          const bool wanted = seconds <= 0.0 || t - std::floor(t) < 0.5;
+                                          const std::vector<Handle<Instance>>& there = scene.get(lamp.node).instances;
+                                          if (wanted && there.empty()) step.add(Instance{.mesh = mesh, .place = {.node = lamp.node}});
+                                          if (!wanted && !there.empty()) step.remove(there.front());
+                                      }
+                                      return step;
+                                  }});
     return out;
 }
 

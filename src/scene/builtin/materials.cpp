@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "scene/builtin/scenes.h"
+#include "scene/builtin/scripts.h"
 #include "scene/builtin/textures.h"
 #include "scene/shapes.h"
 
@@ -143,23 +144,35 @@ LoadedScene make_spheres(const BuiltinOptions&) {
     constexpr int kSteps = 5;
     SceneEdit edit;
     const Primitive sphere = make_sphere(0.45f, 24, true);
+    std::vector<std::pair<Handle<Node>, glm::vec3>> middle_row;
     for (int row = 0; row < kSteps; ++row)
         for (int column = 0; column < kSteps; ++column) {
             const float metallic = float(row) / (kSteps - 1), roughness = 0.05f + 0.95f * float(column) / (kSteps - 1);
             const std::string name = fmt::format("metallic {:.2f} roughness {:.2f}", metallic, roughness);
-            add_object(edit, name, sphere, edit.add(glossy(name, {0.9f, 0.6f, 0.3f}, metallic, roughness)),
-                       {.translation = {float(column) - 2.0f, float(row) - 2.0f, 0.0f}});
+            const glm::vec3 at(float(column) - 2.0f, float(row) - 2.0f, 0.0f);
+            const Handle<Node> node = place_object(edit, name, sphere, edit.add(glossy(name, {0.9f, 0.6f, 0.3f}, metallic, roughness)), {.translation = at});
+            if (row == kSteps / 2) middle_row.emplace_back(node, at);
         }
     const Environment sky = make_sky();
     edit.set_environment(sky);
     add_camera(edit, "front", {0.0f, 0.0f, 8.0f}, glm::vec3(0.0f), glm::radians(38.0f));
     LoadedScene out;
-    out.scene.apply(std::move(edit));
-    out.scripted_edits.push_back({"sky", "the sky turns, 30 degrees a second", [sky](double seconds) {
+    const ChangeSet changes = out.scene.apply(std::move(edit));
+    for (auto& [node, at] : middle_row) node = changes.resolve(node);
+    out.scripted_edits.push_back({"sky", "the sky turns, 30 degrees a second", [sky](const Scene&, double seconds) {
                                       Environment now = sky;
                                       now.rotation = static_cast<float>(std::fmod(seconds * glm::radians(30.0), glm::radians(360.0)));
                                       SceneEdit step;
                                       step.set_environment(std::move(now));
+                                      return step;
+                                  }});
+    Light sun{.name = "sun", .kind = LightKind::Directional, .color = {1.0f, 0.9f, 0.75f}, .intensity = 3.0f, .angular_radius = 0.00465f};
+    sun.place.node_from_object = place_looking(glm::vec3(0.0f), {0.6f, -0.5f, -0.7f});
+    out.scripted_edits.push_back(passing_lights("sun", "a sun shines every other second", {sun}, [](size_t, double seconds) { return is_on(seconds); }));
+    out.scripted_edits.push_back({"leave", "the middle row moves out of the picture and comes back, once in 4 seconds", [middle_row](const Scene&, double seconds) {
+                                      SceneEdit step;
+                                      for (const auto& [node, at] : middle_row)
+                                          step.set_transform(node, {.translation = at + glm::vec3(4.0 - 4.0 * std::cos(1.5707963267948966 * seconds), 0.0f, 0.0f)});
                                       return step;
                                   }});
     return out;
@@ -180,7 +193,7 @@ LoadedScene make_textured(const BuiltinOptions&) {
     const ChangeSet changes = out.scene.apply(std::move(edit));
     const Handle<Node> moving = changes.resolve(statues);
     out.scripted_edits.push_back(
-        {"sway", "the statues move sideways and back, once in 4 seconds", [moving](double seconds) {
+        {"sway", "the statues move sideways and back, once in 4 seconds", [moving](const Scene&, double seconds) {
              constexpr double kTurn = 6.283185307179586;
              SceneEdit step;
              step.set_transform(moving, {.translation = {float(0.3 * std::sin(kTurn * seconds / 4.0)), 0.0f, 0.0f}});
@@ -188,7 +201,7 @@ LoadedScene make_textured(const BuiltinOptions&) {
          }});
     const Handle<Light> light = *out.scene.lights().handle_at(0);
     const Light lit = out.scene.get(light);
-    out.scripted_edits.push_back({"flicker", "the lamp's brightness swings, once a second", [light, lit](double seconds) {
+    out.scripted_edits.push_back({"flicker", "the lamp's brightness swings, once a second", [light, lit](const Scene&, double seconds) {
                                       constexpr double kTurn = 6.283185307179586;
                                       Light now = lit;
                                       now.intensity = lit.intensity * float(1.0 + 0.5 * std::sin(kTurn * seconds));

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "scene/builtin/scenes.h"
+#include "scene/builtin/scripts.h"
 #include "scene/builtin/textures.h"
 #include "scene/shapes.h"
 
@@ -85,7 +86,7 @@ Primitive make_ball() {
 
 struct Moving {
     Handle<Node> panel, cube, ball;
-    Handle<Material> lamp;
+    Handle<Material> lamp, ring;
 };
 
 Moving add_things(SceneEdit& edit) {
@@ -104,7 +105,8 @@ Moving add_things(SceneEdit& edit) {
 
     // Behind the camera and above it: seen in mirrors.
     Primitive ring = make_torus(0.9f, 0.12f, 48, 16);
-    place_object(edit, "glowing ring", std::move(ring), edit.add(lambert("glow", glm::vec3(0.2f), {3000.0f, 14000.0f, 20000.0f})),
+    moving.ring = edit.add(lambert("glow", glm::vec3(0.2f), {3000.0f, 14000.0f, 20000.0f}));
+    place_object(edit, "glowing ring", std::move(ring), moving.ring,
                  {.translation = {-2.0f, 5.2f, 8.8f}, .rotation = glm::angleAxis(glm::radians(80.0f), glm::vec3(1.0f, 0.0f, 0.0f))});
     moving.cube = place_object(edit, "cube", make_rounded_box(glm::vec3(1.1f), 0.06f, 3),
                                edit.add(glossy("copper", {0.95f, 0.58f, 0.42f}, 1.0f, 0.12f)));
@@ -119,12 +121,6 @@ Moving add_things(SceneEdit& edit) {
                                              ColorSpace::Srgb);
     moving.ball = place_object(edit, "ball", make_ball(), edit.add(std::move(stripes)));
     return moving;
-}
-
-// There and back between -1 and 1, at an even pace, once in `period` seconds; starts at 0.
-double back_and_forth(double seconds, double period) {
-    const double t = seconds / period + 0.25;
-    return 1.0 - 4.0 * std::abs(t - std::floor(t) - 0.5);
 }
 
 Transform ball_at(double seconds) {
@@ -143,7 +139,7 @@ Transform panel_at(double seconds) {
 }
 
 ScriptedEdit mover(std::string name, std::string help, Handle<Node> node, Transform (*at)(double)) {
-    return {std::move(name), std::move(help), [node, at](double seconds) {
+    return {std::move(name), std::move(help), [node, at](const Scene&, double seconds) {
                 SceneEdit step;
                 step.set_transform(node, at(seconds));
                 return step;
@@ -172,7 +168,7 @@ LoadedScene make_reflections(const BuiltinOptions&) {
     out.scripted_edits.push_back(mover("panel", "the large mirror slides and turns", changes.resolve(moving.panel), panel_at));
     const Handle<Material> lamp = changes.resolve(moving.lamp);
     out.scripted_edits.push_back(
-        {"light", "the lamp goes through the colours, once in 6 seconds", [lamp, white = out.scene.get(lamp)](double seconds) {
+        {"light", "the lamp goes through the colours, once in 6 seconds", [lamp, white = out.scene.get(lamp)](const Scene&, double seconds) {
              Material now = white;
              for (int c = 0; c < 3; ++c) {
                  const double wave = 0.5 + 0.5 * std::cos(kTurn * (seconds / 6.0 - double(c) / 3.0));
@@ -182,6 +178,7 @@ LoadedScene make_reflections(const BuiltinOptions&) {
              step.set_material(lamp, std::move(now));
              return step;
          }});
+    out.scripted_edits.push_back(switched_materials("ring", "the glowing ring is off every other second", out.scene, {changes.resolve(moving.ring)}));
     return out;
 }
 

@@ -163,7 +163,7 @@ LoadedScene make_any_room(const BuiltinOptions& options, AddTriangles add_triang
     add_camera(edit, "aisle", {0.3f, 3.1f, kRoomMax.z - 0.2f}, {0.0f, 2.9f, 0.0f}, glm::radians(65.0f));
     LoadedScene out;
     const ChangeSet changes = out.scene.apply(std::move(edit));
-    out.scripted_edits.push_back({"lamp", "the lamp swings across the aisle, once in 4 seconds", [node = changes.resolve(lamp)](double seconds) {
+    out.scripted_edits.push_back({"lamp", "the lamp swings across the aisle, once in 4 seconds", [node = changes.resolve(lamp)](const Scene&, double seconds) {
                                       SceneEdit moved;
                                       moved.set_transform(node, {.translation = {static_cast<float>(std::sin(seconds * std::numbers::pi / 2)), 3.0f, kRoomMax.z - 0.5f}});
                                       return moved;

@@ -6,6 +6,7 @@ namespace parhelion::builtin {
 
 // Pure Lambert (specular 0, metallic 0).
 Material lambert(std::string name, glm::vec3 albedo, glm::vec3 emission = glm::vec3(0.0f));
+glm::mat4 place_looking(glm::vec3 from, glm::vec3 at);  // of a camera, upright
 Handle<Camera> add_camera(SceneEdit& edit, std::string name, glm::vec3 from, glm::vec3 at, float yfov);
 Material glossy(std::string name, glm::vec3 color, float metallic, float roughness);
 // A mesh of one primitive, on a node of its own.

@@ -23,6 +23,8 @@ layout(set = 1, binding = 0, scalar) buffer AllStructs {
     ViewData view_data[2];
     Slice slice[2];
     DumpedRay dumped_ray[2];
+    DrawnGeometry drawn_geometry[2];
+    RasterCounts raster_counts[2];
     BvhNode bvh_node[2];
     BvhNodeBinary bvh_node_binary[2];
     BvhNodeCompact bvh_node_compact[2];
@@ -67,6 +69,8 @@ void main() {
         all_structs.view_data[i] = value.view_data[i];
         all_structs.slice[i] = value.slice[i];
         all_structs.dumped_ray[i] = value.dumped_ray[i];
+        all_structs.drawn_geometry[i] = value.drawn_geometry[i];
+        all_structs.raster_counts[i] = value.raster_counts[i];
         all_structs.bvh_node[i] = value.bvh_node[i];
         all_structs.bvh_node_binary[i] = value.bvh_node_binary[i];
         all_structs.bvh_node_compact[i] = value.bvh_node_compact[i];

@@ -4,6 +4,7 @@
 #include "shared/bvh.h"
 #include "shared/functions.h"
 #include "shared/hit.h"
+#include "shared/raster.h"
 #include "shared/reference.h"
 #include "shared/scene.h"
 #include "shared/view.h"
@@ -29,6 +30,8 @@ struct LayoutStructs {
     ViewData view_data[2];
     Slice slice[2];
     DumpedRay dumped_ray[2];
+    DrawnGeometry drawn_geometry[2];
+    RasterCounts raster_counts[2];
     BvhNode bvh_node[2];
     BvhNodeBinary bvh_node_binary[2];
     BvhNodeCompact bvh_node_compact[2];
@@ -86,7 +89,8 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Environment) v) {
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(SceneHeader) v) {
     F(instances) F(geometries) F(materials) F(textures) F(geometry_emitters) F(emitters) F(emitter_table) F(triangle_tables) F(environment_table)
     F(bottom_nodes) F(bottom_triangles) F(top_nodes) F(top_items) F(top_nodes_before) F(top_items_before) F(sobol) F(blue_noise)
-    F(bsdf_tables) F(suns) F(emitter_count) F(sun_count) F(culling) F(features) F(environment)
+    F(bsdf_tables) F(suns) F(instance_before_of_now) F(emitter_now_of_before) F(instance_before_count) F(emitter_before_count)
+    F(moving) F(emitter_count) F(sun_count) F(culling) F(features) F(environment)
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Hit) v) { F(instance_bits) F(geometry) F(primitive) F(barycentrics) F(t) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Camera) v) { F(position_ws) F(right_ws) F(up_ws) F(forward_ws) F(orthographic) F(lens_radius) F(focus_distance) }
@@ -99,6 +103,11 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(ViewData) v) {
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Slice) v) { F(first_row) F(row_count) F(first_sample) F(sample_count) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(DumpedRay) v) { F(origin_ws) F(reach) F(direction_ws) F(alpha_key) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(DrawnGeometry) v) { F(instance) F(geometry) F(lower) F(upper) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(RasterCounts) v) {
+    for (uint i = 0u; i < 6u; ++i) F(drawn[i])
+    F(far_bits)
+}
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhNode) v) { F(min_x) F(max_x) F(min_y) F(max_y) F(min_z) F(max_z) F(child) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhNodeBinary) v) { F(x) F(y) F(z) F(child) F(pad) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhNodeCompact) v) { F(origin) F(min_x) F(scale) F(max_x) F(min_y) F(max_y) F(min_z) F(max_z) F(child) }
@@ -122,7 +131,7 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontSize) v) { F(x) 
 // Entry i of every array.
 SHARED_FN void fill_entry(SHARED_INOUT(uint) n, SHARED_INOUT(LayoutStructs) v, uint i) {
     F(scene_header[i]) F(geometry[i]) F(bvh_addresses[i]) F(affine[i]) F(instance[i]) F(vertex_attributes[i]) F(texture_entry[i]) F(texture_ref[i]) F(material[i]) F(emitter[i])
-    F(alias_entry[i]) F(environment[i]) F(hit[i]) F(camera[i]) F(camera_motion[i]) F(view_data[i]) F(slice[i]) F(dumped_ray[i]) F(bvh_node[i]) F(bvh_node_binary[i]) F(bvh_node_compact[i]) F(bvh_triangle[i]) F(bvh_top_item[i])
+    F(alias_entry[i]) F(environment[i]) F(hit[i]) F(camera[i]) F(camera_motion[i]) F(view_data[i]) F(slice[i]) F(dumped_ray[i]) F(drawn_geometry[i]) F(raster_counts[i]) F(bvh_node[i]) F(bvh_node_binary[i]) F(bvh_node_compact[i]) F(bvh_triangle[i]) F(bvh_top_item[i])
     F(traversal_ray[i]) F(traversal_hit[i])
     F(wavefront_ray[i]) F(wavefront_hit[i]) F(wavefront_path[i]) F(wavefront_extra[i]) F(wavefront_slot[i]) F(wavefront_vertex[i]) F(wavefront_shadow_ray[i]) F(wavefront_split[i]) F(wavefront_class_sums[i]) F(wavefront_size[i])
 }

@@ -1,0 +1,189 @@
+#include "session/job_base.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/log.h"
+#include "renderers/reference.h"
+#include "scene/load.h"
+#include "session/film_state.h"
+#include "session/metering.h"
+#include "session/progress.h"
+#include "session/scene_setup.h"
+#include "session/view_setup.h"
+
+namespace parhelion {
+
+namespace {
+
+RenderSettings read_settings(const RenderOptions& options) {
+    RenderSettings settings;
+    for (const std::string& assignment : options.assignments) apply_assignment(settings, assignment);
+    return settings;
+}
+
+void check_targets(const RenderOptions& options) {
+    for (const std::filesystem::path& file : options.output.files) check_writable(file);
+    if (!options.checkpoint.empty()) check_writable(options.checkpoint);
+}
+
+uint64_t count_triangles(const Scene& scene) {
+    uint64_t count = 0;
+    for (const auto& [handle, instance] : scene.instances()) count += scene.get(instance.drawn_mesh()).triangle_count;
+    return count;
+}
+
+}  // namespace
+
+JobBase::JobBase(const RenderOptions& options, gpu::DevicePtr device)
+    : options_(options), settings_(read_settings(options)), device_(std::move(device)), began_(Clock::now()) {}
+
+void JobBase::prepare() {
+    check_targets(options_);
+    check_way(options_.trace == TraceChoice::Auto || options_.trace == TraceChoice::Pipeline);
+    load();
+    open_device();
+    set_up();
+}
+
+void JobBase::check_way(bool pipeline) const {
+    if (options_.renderer == RendererKind::Realtime) check_realtime(settings_);
+    check_reference({.texture_lod = settings_.texture_lod, .shade_in = settings_.shade_in}, pipeline);
+}
+
+// Adds the GPU times of the frame that has just been completed.
+void JobBase::add_times() {
+    for (const PassInfo& pass : frame_->passes()) {
+        const std::string name = pass.variant.empty() ? pass.name : fmt::format("{} [{}]", pass.name, pass.variant);
+        auto found = std::find_if(report_.passes.begin(), report_.passes.end(), [&](const PassTime& time) { return time.name == name; });
+        if (found == report_.passes.end()) found = report_.passes.insert(report_.passes.end(), PassTime{name});
+        found->ms += pass.gpu_ms;
+        ++found->count;
+    }
+}
+
+void JobBase::load() {
+    const auto begin = Clock::now();
+    loaded_ = load_scene(options_.scene, options_.load);
+    add_light(loaded_.scene, options_, sky_options(settings_));
+    camera_ = set_up_camera(loaded_, options_, settings_.culling == Culling::Gltf, report_.camera);
+    report_.scene = options_.scene;
+    report_.triangles = count_triangles(loaded_.scene);
+    report_.instances = loaded_.scene.instances().size();
+    report_.load_seconds = seconds_since(begin);
+    log(LogLevel::Info, "scene {}: {} triangles in {} instances, camera {}", escape_name(report_.scene), report_.triangles,
+        report_.instances, escape_name(report_.camera));
+}
+
+void JobBase::open_device() {
+    if (!device_) device_ = gpu::Device::open({.selector = options_.device, .validate = options_.validate});
+    trace_ = decide_trace(device_->caps(), options_.trace, settings_.node_layout);
+    way_ = trace_.way;
+    report_.trace_source = trace_.source;
+    check_way(way_ == gpu::TraceWay::Pipeline);
+    report_.device = device_->caps().name;
+    report_.driver = device_->caps().driver;
+    report_.trace = trace_way_name(way_);
+    report_.renderer = split_choices(find_option(Command::Render, "--renderer")->choices)[static_cast<size_t>(options_.renderer)];
+    report_.shade_in_hit = settings_.shade_in == ShadeIn::ClosestHit;
+    log(LogLevel::Info, "device {} ({}), traces by {}", escape_name(report_.device), escape_name(report_.driver), report_.trace);
+}
+
+void JobBase::set_up() {
+    const auto begin = Clock::now();
+    frame_ = std::make_unique<Frame>(device_);
+    scene_gpu_ = std::make_unique<SceneGpu>(device_, describe_scene_gpu(settings_, trace_));
+    scene_gpu_->sync(loaded_.scene);
+    if (!bring_in_scene(true)) return;
+    const ViewDesc desc = describe_view(options_, settings_, camera_);
+    view_ = std::make_unique<View>(device_, desc);
+    view_->prepare(*frame_);
+    frame_->run();
+    add_times();
+    if (options_.list_frame) report_.listing += "set-up\n" + frame_->listing(true);
+    if (options_.renderer == RendererKind::Wavefront) wavefront_.emplace(device_, wavefront_options(settings_)).allocate(*scene_gpu_, *view_);
+    report_.lights = scene_gpu_->stats().emitters;
+    report_.exposure_metered = !options_.exposure_ev;
+    report_.exposure_ev = options_.exposure_ev ? *options_.exposure_ev : meter_scene(device_, *frame_, *scene_gpu_, way_, desc);
+    log(LogLevel::Info, "exposure EV100 {:.2f}{}", report_.exposure_ev, report_.exposure_metered ? ", metered from the scene" : "");
+    report_.settings_hash = hash_render(loaded_.scene, desc, settings_);
+    report_.setup_seconds = seconds_since(begin);
+}
+
+bool JobBase::bring_in_scene(bool shown) {
+    std::optional<Progress> progress;
+    if (shown) progress.emplace("bringing the scene to the device", 1);
+    while (true) {
+        const SceneProgress state = scene_gpu_->update(*frame_);
+        if (progress) progress->update(state.done / state.total, fmt::format("{:.0f} MB", state.done / 1e6));
+        if (state.complete) break;
+        frame_->run();
+        add_times();
+        if (options_.list_frame && shown) report_.listing += "scene\n" + frame_->listing(true) + "\n";
+        report_.interrupt = platform::interrupt_requested();
+        if (is_interrupted()) return false;
+    }
+    const SceneGpuStats& stats = scene_gpu_->stats();
+    report_.node_layout = stats.node_layout;
+    report_.own_bottom_bytes = stats.own_bottom_bytes;
+    report_.own_top_bytes = stats.own_top_bytes;
+    report_.bottom_bytes_built = stats.bottom_bytes_built;
+    report_.bottom_bytes = stats.bottom_bytes;
+    return true;
+}
+
+Slicer JobBase::make_slicer(IndexRange samples) const {
+    if (!wavefront_) return {options_.size, samples};
+    // Its frames are short however long a slice is; but at the end of each the machine runs empty.
+    constexpr double kSliceSeconds = 1.0;
+    return {options_.size, samples, kSliceSeconds, kPathsPerSlot * wavefront_->slots(), wavefront_->slice_paths(*view_)};
+}
+
+void JobBase::run_frame() {
+    frame_->run();
+    add_times();
+    report_.gpu_seconds += frame_->gpu_ms() / 1000;
+    if (!options_.list_frame || slice_is_listed_) return;
+    slice_is_listed_ = true;
+    report_.listing += "\nslice\n" + frame_->listing(true);
+}
+
+void JobBase::draw(const shared::Slice& slice, bool ends_range) {
+    if (!wavefront_) {
+        record_reference(*frame_, *scene_gpu_, way_, *view_, slice, ends_range);
+        return run_frame();
+    }
+    wavefront_->start(slice);
+    for (bool finished = false; !finished;) {
+        const auto begin = Clock::now();
+        wavefront_->record(*frame_, *scene_gpu_, way_, *view_);
+        run_frame();
+        finished = wavefront_->advance(seconds_since(begin));
+    }
+    wavefront_->finish(*frame_, *view_);
+    end_slice(*frame_, *view_, slice, ends_range);
+    run_frame();
+}
+
+image::FilmSums JobBase::sums_of(FilmReadback film, IndexRange samples) const {
+    return make_film_sums(std::move(film), options_.size, samples, film_attributes(report_.settings_hash, report_.exposure_ev));
+}
+
+void JobBase::finish_report() {
+    report_.max_bounces = options_.max_bounces;
+    if (view_) report_.rays = view_->read_rays(*frame_);
+    if (wavefront_) {
+        report_.wavefront = {wavefront_options(settings_), wavefront_->stats()};
+        log(LogLevel::Info, "wavefront: {}", wavefront_line(*report_.wavefront));
+        if (options_.list_frame) report_.listing += "\nwavefront\n" + wavefront_table(*report_.wavefront);
+    }
+    report_.memory = device_->memory_use();
+    report_.peak_device_bytes = device_->peak_memory_bytes();
+    report_.peak_host_bytes = platform::peak_resident_bytes();
+    if (const uint64_t count = options_.validate ? device_->validation_message_count() : 0; count != 0)
+        throw Error(ErrorCode::Failed, fmt::format("the validation layers reported {} messages", count), "--validate",
+                    "they are printed above");
+}
+
+}  // namespace parhelion
