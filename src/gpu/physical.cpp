@@ -234,7 +234,7 @@ std::vector<std::string> device_requirements() {
     return needed;
 }
 
-PhysicalDevice inspect(const Instance& instance, VkPhysicalDevice handle, uint32_t index, bool mask_ray_tracing) {
+PhysicalDevice inspect(const Instance& instance, VkPhysicalDevice handle, uint32_t index, bool mask_ray_tracing, bool windows) {
     PhysicalDevice out;
     out.handle = handle;
     out.caps.index = index;
@@ -248,6 +248,8 @@ PhysicalDevice inspect(const Instance& instance, VkPhysicalDevice handle, uint32
     const bool push = contains(available, VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME);
     if (push) out.extensions.emplace_back(VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME);
     else caps.missing.emplace_back(VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME);
+    if (windows && contains(available, VK_KHR_SWAPCHAIN_EXTENSION_NAME)) out.extensions.emplace_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+    else if (windows) caps.missing.emplace_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
     Mask mask = mask_of_environment();
     if (mask_ray_tracing) mask.pipeline = mask.query = true;
     const bool accel = contains(available, VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME) && contains(available, VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME);
@@ -258,9 +260,9 @@ PhysicalDevice inspect(const Instance& instance, VkPhysicalDevice handle, uint32
     pick_features(has, out.enabled, caps.missing);
     pick_ray_tracing(has, available, out);
     caps.block_compression = has.core.features.textureCompressionBC;
-    caps.buffer_int64_atomics = has.v12.shaderBufferInt64Atomics;
     caps.raster = !mask.raster && out.queue_has_graphics && has.v13.dynamicRendering && has.core.features.multiDrawIndirect && has.core.features.drawIndirectFirstInstance;
     caps.draw_indirect_count = !mask.draw_count && caps.raster && has.v12.drawIndirectCount;
+    caps.buffer_int64_atomics = has.v12.shaderBufferInt64Atomics;
     caps.shader_float64 = has.core.features.shaderFloat64;
     Properties properties(push, caps.ray_pipeline || caps.ray_query, caps.ray_pipeline);
     instance.vk.vkGetPhysicalDeviceProperties2(handle, &properties.core);

@@ -77,7 +77,7 @@ RealtimeBenchRow run_realtime_bench(const std::string& scene, const RealtimeBenc
     const float aspect = static_cast<float>(options.size.width) / static_cast<float>(options.size.height);
     Frame frame(device);
     const bool hardware = options.way != gpu::TraceWay::Compute;
-    SceneGpu on_device(device, {.hardware = hardware, .own_bvh = !hardware, .node_layout = options.settings.node_layout, .bvh_loop = options.settings.bvh_loop, .raster = options.settings.gbuffer_mode == GBufferMode::Raster});
+    SceneGpu on_device(device, {.hardware = hardware, .own_bvh = !hardware, .raster = options.settings.gbuffer_mode == GBufferMode::Raster, .node_layout = options.settings.node_layout, .bvh_loop = options.settings.bvh_loop});
     on_device.sync(loaded.scene);
     on_device.finish(frame);
     const ViewDesc desc{.width = options.size.width, .height = options.size.height, .camera = shader_camera(camera, aspect), .filter = PixelFilter::Point};

@@ -9,7 +9,6 @@
 #include "base/log.h"
 #include "renderers/reference.h"
 #include "scene/load.h"
-#include "scene/pose.h"
 #include "session/film_state.h"
 #include "session/metering.h"
 #include "session/pictures.h"
@@ -205,10 +204,7 @@ void Interactive::play_scene() {
     ChangeSet changes = scene.begin_frame();
     if (play) {
         seconds += std::min(frame_seconds_, 0.1);
-        const auto& edits = loaded_->scripted_edits;
-        const auto edit = std::find_if(edits.begin(), edits.end(), [&](const ScriptedEdit& e) { return e.name == options_.load.animate; });
-        if (edit != edits.end()) changes.append(scene.apply(edit->apply(seconds)));
-        else if (!scene.animations().empty()) changes.append(scene.apply(pose_at(scene, seconds, options_.load.animation)));
+        changes.append(scene.apply(state_at(*loaded_, options_.load, seconds)));
     }
     scene_gpu_->sync(scene, changes);
 }
