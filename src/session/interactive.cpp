@@ -9,7 +9,6 @@
 #include "base/log.h"
 #include "renderers/reference.h"
 #include "scene/load.h"
-#include "scene/pose.h"
 #include "session/film_state.h"
 #include "session/metering.h"
 #include "session/pictures.h"

@@ -185,8 +185,6 @@ RenderOptions read_picture(const OptionValues& values) {
     options.renderer = read_choice<RendererKind>(values, "--renderer");
     options.size = parse_size(values.text("--size"), "--size");
     options.seed = read_uint(values, "--seed");
-    read_length(values, options);
-    read_play(values, options);
     options.max_bounces = read_uint(values, "--max-bounces");
     options.point_filter = values.text("--pixel-filter") == "point";
     if (values.text("--exposure") != "scene") options.exposure_ev = parse_float(values.text("--exposure"), "--exposure");
@@ -214,6 +212,7 @@ RenderOptions read_view_options(const OptionValues& values) {
 RenderOptions read_render_options(const OptionValues& values) {
     RenderOptions options = read_picture(values);
     read_length(values, options);
+    read_play(values, options);
     options.shutter_seconds = parse_float(values.text("--shutter"), "--shutter");
     if (values.given("--aov"))
         options.aovs = expand_list(*find_option(values.command(), "--aov"), values.text("--aov"), values.where("--aov"));
