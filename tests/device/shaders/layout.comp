@@ -41,6 +41,9 @@ layout(set = 1, binding = 0, scalar) buffer AllStructs {
     WavefrontClassSums wavefront_class_sums[2];
     WavefrontControl wavefront_control[2];
     WavefrontSize wavefront_size[2];
+    CacheHeader cache_header[2];
+    CacheFrameData cache_frame_data[2];
+    CacheSize cache_size[2];
 } all_structs;
 
 // Copying struct by struct: the block has its own layout, a local variable none.
@@ -84,5 +87,7 @@ void main() {
         all_structs.wavefront_split[i] = value.wavefront_split[i];
         all_structs.wavefront_class_sums[i] = value.wavefront_class_sums[i];
         all_structs.wavefront_size[i] = value.wavefront_size[i];
+        all_structs.cache_frame_data[i] = value.cache_frame_data[i];
+        all_structs.cache_size[i] = value.cache_size[i];
     }
 }
