@@ -91,7 +91,7 @@ SHARED_FN vec3 cache_unpack_irradiance(uint64_t packed) {
 // exposure touches them.
 SHARED_CONST uint kCacheAgeShift = 8u;
 struct CacheMoments {
-    uint count;    // samples in the mean, up to a limit
+    uint count;    // what the mean is worth: 1 with the first sample, half a sample more with each, up to a limit; 0: nothing is known
     uint age;      // frames since birth, up to kCacheOldest
     float spread;  // second moment over the mean's square, less 1: a sample's relative variance
     float change;  // running mean of (sample - mean) / mean

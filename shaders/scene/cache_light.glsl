@@ -8,6 +8,7 @@
 #include "scene/trace_light.glsl"
 #include "scene/vertex.glsl"
 
+const uint kCacheVertices = 4u;     // of a path that are lit by lights, before it must end in the cache
 const uint kCacheScatterings = 4u;  // of a ray by lobes that are not diffuse, before it is given up
 
 struct CacheSeed {
@@ -68,7 +69,8 @@ struct CachePath {
     float way;        // metres since then
     uint scatterings;
     vec3 found;       // irradiance that it brought so far, without what is left to the choice
-    bool unknown;     // it met a diffuse surface of which the cache knows nothing:
+    float steady;     // what an answer of the cache must be worth to end it
+    bool unknown;     // it met a diffuse surface of which the cache knows less:
     vec3 next_origin_ws, next_n, next_share;
 };
 
@@ -108,9 +110,9 @@ bool cache_meet(Cache cache, ViewData view, inout CachePath p, Surface s, Medium
     if (max_component(share) > 0.0) {
         // A cell lights what is seen from afar: its size follows the way, and at most halves from one cell to the next.
         const CachePoint at = cache_point(s, wo_ws, max(p.way, 0.5 * cell_size / cache.v.cell_scale), u.x);
-        vec3 irradiance;
-        if (cache_visit(cache, at, life, irradiance)) p.found += share * irradiance / cache.v.exposure;
-        else if (!p.unknown) {
+        const CacheAnswer answer = cache_consult(cache, at, life);
+        if (answer.count >= p.steady || p.unknown) p.found += share * answer.irradiance / cache.v.exposure;
+        else {
             p.unknown = true;
             p.next_origin_ws = at.origin_ws;
             p.next_n = at.n_geometric_ws;
@@ -161,11 +163,11 @@ void cache_follow(Cache cache, ViewData view, inout CachePath p, inout CacheChoi
     }
 }
 
-// Irradiance at a point, nits times steradians before exposure. Where the ray meets a surface that the cache does not know, that one is lit
-// like the first, once.
+// Irradiance at a point, nits times steradians before exposure. A path goes on, lit at each vertex like at the first, while it meets
+// surfaces that the cache does not know well: cells that light each other come to rest soon, after their birth and after a change.
 vec3 cache_sample_irradiance(Cache cache, ViewData view, vec3 origin_ws, vec3 n, float cell_size, uint life, inout CacheSeed seed) {
     vec3 sum = vec3(0.0), share = vec3(1.0);
-    for (uint vertex = 0u; vertex < 2u; ++vertex) {
+    for (uint vertex = 0u; vertex < kCacheVertices; ++vertex) {
         const uint key = hash_combine(hash_combine(uint(seed.key), seed.frame_index), vertex);
         CacheChoice choice;
         choice.sum = 0.0;
@@ -184,6 +186,7 @@ vec3 cache_sample_irradiance(Cache cache, ViewData view, vec3 origin_ws, vec3 n,
         p.way = 0.0;
         p.scatterings = 0u;
         p.found = vec3(0.0);
+        p.steady = vertex + 1u < kCacheVertices ? float(kCacheSteady) : 0.0;
         p.unknown = false;
         cache_follow(cache, view, p, choice, cell_size, life, seed);
         sum += share * p.found;

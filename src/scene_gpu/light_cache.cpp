@@ -10,7 +10,7 @@ namespace parhelion {
 LightCache::LightCache(const gpu::DevicePtr& device, const CacheOptions& options) : options_(options) {
     if (!supported(device->caps()))
         throw Error(ErrorCode::MissingFeature, "the world cache needs 64-bit atomics on buffers (shaderBufferInt64Atomics)", device->caps().name, "use realtime.cache=off");
-    const uint32_t slots = std::bit_ceil(std::clamp(options.cells, kLeastCells, kMostCells)), updates = std::max(std::min(options.budget, slots / 5), 1u);
+    const uint32_t slots = std::bit_ceil(std::clamp(options.cells, kLeastCells, kMostCells)), updates = std::max(std::min(options.budget, slots / 6), 1u);
     uint64_t end = 0;
     const auto place = [&](uint64_t count, uint64_t bytes) {
         constexpr uint64_t kAlignment = 64;

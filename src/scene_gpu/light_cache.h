@@ -13,7 +13,7 @@ namespace parhelion {
 struct CacheOptions {
     uint32_t cells = 1u << 18;     // that there is room for; made a power of two
     uint32_t life = 10;            // frames that a cell lives on after a pixel asked for it
-    uint32_t budget = 40000;       // cells that are updated in a frame, at most a fifth of the room
+    uint32_t budget = 40000;       // cells that are updated in a frame, at most a sixth of the room
     uint32_t samples = 32;         // that a cell's running mean is worth at most
     uint32_t candidates = 8;       // lights that one choice is made among
     float cell_scale = 0.25f;      // size of a cell over the footprint that asks for it

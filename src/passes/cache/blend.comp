@@ -30,15 +30,17 @@ void main() {
     const vec3 before = cache_unpack_irradiance(CacheWords64(push.cache.v.irradiance).v[slot]);
     CacheMoments moments = cache_unpack_moments(CacheWords(push.cache.v.moments).v[slot]);
 
-    const float count = min(float(moments.count) + 1.0, max(count_limit(moments), 1.0));
-    const vec3 after = mix(before, found, 1.0 / count);
+    const uvec4 random = cache_random(CacheWords64(push.cache.v.keys).v[slot], push.cache.v.frame_index, push.cache.v.seed, kCacheForRounding);
+    // Cells light each other: a plain mean would keep the darkness that they began with for long. This one grows by half a sample with each,
+    // so that the newer half counts for three quarters, at a third more variance.
+    const float limit = max(count_limit(moments), 1.0), rate = moments.count == 0u ? 1.0 : 1.0 / min(float(moments.count) + 0.5, limit);
+    const vec3 after = mix(before, found, rate);
     const float mean_before = luminance(before), mean = luminance(after), sampled = luminance(found);
     if (moments.count > 0u) moments.change = mix(moments.change, clamp((sampled - mean_before) / max(mean_before, 1e-20), -4.0, 4.0), kChangeRate);
-    const float square = mix((1.0 + moments.spread) * mean_before * mean_before, sampled * sampled, 1.0 / count);
+    const float square = mix((1.0 + moments.spread) * mean_before * mean_before, sampled * sampled, rate);
     moments.spread = moments.count == 0u ? 1.0 : max(square / max(mean * mean, 1e-30) - 1.0, 0.0);
-    moments.count = uint(count + 0.5);
+    moments.count = moments.count == 0u ? 1u : min(moments.count + (random.z >> 31), uint(limit + 0.5));
 
-    const uvec4 random = cache_random(CacheWords64(push.cache.v.keys).v[slot], push.cache.v.frame_index, push.cache.v.seed, kCacheForRounding);
     CacheWords64(push.cache.v.irradiance).v[slot] = cache_pack_irradiance(after);
     CacheWords(push.cache.v.moments).v[slot] = cache_pack_moments(moments, vec2(uint_to_unit_float(random.x), uint_to_unit_float(random.y)));
 }

@@ -17,4 +17,8 @@ struct CacheFrame {
 // afterwards binds `cache` to cache.buffer(), read_write.
 void update_cache(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, LightCache& cache, const CacheFrame& now);
 
+// Its parts: what comes before the rays (the cells that are updated are chosen), and after them.
+void begin_cache(Frame& frame, gpu::TraceWay way, LightCache& cache, const CacheFrame& now);
+void blend_cache(Frame& frame, const LightCache& cache);
+
 }  // namespace parhelion::passes

@@ -45,7 +45,7 @@ void over_cells(Frame& frame, const char* name, const LightCache& cache, uint32_
 
 }  // namespace
 
-void update_cache(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, LightCache& cache, const CacheFrame& now) {
+void begin_cache(Frame& frame, gpu::TraceWay way, LightCache& cache, const CacheFrame& now) {
     if (cache.take_empty()) clear(frame, cache);
     const shared::CacheFrameData data = cache.begin_frame(now.frame_index, now.seed, now.exposure, now.lights_changed);
     plan(frame, way, cache, data, shared::kCacheBegin);
@@ -53,13 +53,19 @@ void update_cache(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, LightC
     plan(frame, way, cache, data, shared::kCachePlan);
     over_cells(frame, "cache/select", cache, shared::kCacheSizeSelect);
     plan(frame, way, cache, data, shared::kCacheSelected);
+}
+
+void blend_cache(Frame& frame, const LightCache& cache) { over_cells(frame, "cache/blend", cache, shared::kCacheSizeBlend); }
+
+void update_cache(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, LightCache& cache, const CacheFrame& now) {
+    begin_cache(frame, way, cache, now);
     frame.trace("cache/update", way, (scene.features() & shared::kSceneLayers) != 0 ? "+LAYERS" : "")
         .scene(scene.binding())
         .read("view", now.view)
         .read_write("cache", cache.buffer())
         .push(UpdatePush{})
         .over_indirect(cache.sizes(), shared::kCacheSizeUpdate * sizeof(shared::CacheSize));
-    over_cells(frame, "cache/blend", cache, shared::kCacheSizeBlend);
+    blend_cache(frame, cache);
 }
 
 }  // namespace parhelion::passes
