@@ -22,7 +22,7 @@ RasterStages find_stages(const ShaderPack& pack, std::string_view name, std::str
 void merge(const ShaderCode& from, ShaderCode& into) {
     into.push_bytes = std::max(into.push_bytes, from.push_bytes);
     for (const ShaderBinding& b : from.bindings) {
-        if (b.writes && b.kind != BindingKind::ColorOutput && b.kind != BindingKind::TextureTable) fail(from, fmt::format("'{}' is written; declare it readonly: vertex and fragment shaders only read", b.name));
+        if (b.writes && b.kind != BindingKind::ColorOutput) fail(from, fmt::format("'{}' is written; declare it readonly: vertex and fragment shaders only read", b.name));
         const auto same = std::find_if(into.bindings.begin(), into.bindings.end(), [&](const ShaderBinding& o) { return o.set == b.set && o.binding == b.binding; });
         if (same == into.bindings.end()) into.bindings.push_back(b);
         else if (same->name != b.name || same->kind != b.kind) fail(from, fmt::format("'{}' is '{}' in the other shader", b.name, same->name));
