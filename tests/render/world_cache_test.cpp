@@ -178,7 +178,7 @@ TEST_F(WorldCache, a_lamp_that_goes_out_is_forgotten_in_a_few_frames) {
     Watcher watcher(stage, gpu::TraceWay::Compute, {.cells = 1u << 13}, 1.0f, 16, "outside");
     for (int frame = 0; frame < 24; ++frame) watcher.step();
     const double before = mean(watcher.step());
-    stage.step(loaded.scripted_edits[0].apply(1.5));
+    stage.step(loaded.scripted_edits[0].apply(stage.scene, 1.5));
     watcher.next.lights_changed = true;
     std::vector<double> left;
     for (int frame = 0; frame < 24; ++frame) {
@@ -188,7 +188,7 @@ TEST_F(WorldCache, a_lamp_that_goes_out_is_forgotten_in_a_few_frames) {
     EXPECT_LE(left[7], 0.10);
     EXPECT_LE(left[23], 0.01);
     // And comes on again.
-    stage.step(loaded.scripted_edits[0].apply(0.0));
+    stage.step(loaded.scripted_edits[0].apply(stage.scene, 0.0));
     watcher.next.lights_changed = true;
     double now = 0;
     for (int frame = 0; frame < 16; ++frame) {
