@@ -4,6 +4,7 @@
 #   name.comp                     a compute pass
 #   name.trace                    a tracing pass: compiled in all three ways (query, compute, pipeline)
 #   name.rchit|.rahit|.rmiss      the scene's hit shaders
+#   name.vert and name.frag       a raster pass
 #   a line "// variants: A B+C"   also compiled with -DA, and with -DB -DC
 #   "// pipeline variants: ..."    of a .trace file: those of the pipeline way only
 #   variant~                      of the compute way, after spirv-opt, for GPUs: an eighth faster there, a fifth slower on a CPU device;
@@ -60,7 +61,8 @@ function(parhelion_shader_pack pack)
     foreach(pair ${ARGN})
         string(REGEX REPLACE "=.*" "" root ${pair})
         string(REGEX REPLACE ".*=" "" prefix ${pair})
-        file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${root}/*.comp ${root}/*.trace ${root}/*.rchit ${root}/*.rahit ${root}/*.rmiss)
+        file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${root}/*.comp ${root}/*.trace ${root}/*.rchit ${root}/*.rahit ${root}/*.rmiss
+             ${root}/*.vert ${root}/*.frag)
         foreach(source ${sources})
             file(RELATIVE_PATH path ${root} ${source})
             string(REGEX REPLACE "\\.[a-z]+$" "" name ${prefix}${path})
@@ -91,6 +93,8 @@ function(parhelion_shader_pack pack)
                     parhelion_compile_shader(${source} ${name} "compute${suffix}" compute -DTRACE_COMPUTE ${flags})
                     parhelion_optimize_shader(${source} ${name} "compute${suffix}" compute)
                     parhelion_compile_shader(${source} ${name} "pipeline${suffix}" rgen -DTRACE_PIPELINE ${flags})
+                elseif(kind STREQUAL "vert" OR kind STREQUAL "frag")
+                    parhelion_compile_shader(${source} ${name} "${suffix}" ${kind} ${flags})
                 else()
                     parhelion_compile_shader(${source} ${name} "${suffix}" ${kind} -DTRACE_PIPELINE ${flags})
                 endif()

@@ -31,8 +31,9 @@ struct Writer {
 };
 
 // The numbers of gpu::Stage, gpu::BindingKind and gpu::Format.
-const std::map<std::string, uint32_t> kStages = {{"compute", 0}, {"rgen", 1}, {"rmiss", 2}, {"rchit", 3}, {"rahit", 4}};
-enum Kind : uint32_t { kStorageBuffer, kStorageImage, kSampledImage, kUniformBuffer, kAccel, kTextureTable };
+const std::map<std::string, uint32_t> kStages = {{"compute", 0}, {"rgen", 1}, {"rmiss", 2}, {"rchit", 3}, {"rahit", 4}, {"vert", 5}, {"frag", 6}};
+enum Kind : uint32_t { kStorageBuffer, kStorageImage, kSampledImage, kUniformBuffer, kAccel, kTextureTable, kColorOutput };
+constexpr uint32_t kOutputSet = 2;  // gpu::kOutputSet
 const std::map<SpvImageFormat, uint32_t> kFormats = {
     {SpvImageFormatUnknown, 0}, {SpvImageFormatR8, 1},       {SpvImageFormatRg8, 2},       {SpvImageFormatRgba8, 3},
     {SpvImageFormatR16f, 5},    {SpvImageFormatRg16f, 6},    {SpvImageFormatRgba16f, 7},   {SpvImageFormatR32f, 8},
@@ -77,13 +78,14 @@ struct Reflector {
     }
 };
 
-void write_bindings(const Reflector& r, Writer& w) {
+void write_bindings(const Reflector& r, bool fragment, Writer& w) {
     Writer rows;
     uint32_t count = 0;
     const auto add = [&](const spvc_reflected_resource& res, uint32_t kind, bool reads, bool writes, uint32_t format) {
         rows.text(r.name(res));
-        rows.u32(spvc_compiler_get_decoration(r.compiler, res.id, SpvDecorationDescriptorSet));
-        rows.u32(spvc_compiler_get_decoration(r.compiler, res.id, SpvDecorationBinding));
+        const bool output = kind == kColorOutput;
+        rows.u32(output ? kOutputSet : spvc_compiler_get_decoration(r.compiler, res.id, SpvDecorationDescriptorSet));
+        rows.u32(spvc_compiler_get_decoration(r.compiler, res.id, output ? SpvDecorationLocation : SpvDecorationBinding));
         rows.u32(kind);
         rows.u32(reads);
         rows.u32(writes);
@@ -103,6 +105,8 @@ void write_bindings(const Reflector& r, Writer& w) {
         add(res, table ? kTextureTable : kSampledImage, true, false, 0);
     }
     for (const auto& res : r.list(SPVC_RESOURCE_TYPE_ACCELERATION_STRUCTURE)) add(res, kAccel, true, false, 0);
+    if (fragment)
+        for (const auto& res : r.list(SPVC_RESOURCE_TYPE_STAGE_OUTPUT)) add(res, kColorOutput, false, true, 0);
     w.u32(count);
     w.out += rows.out;
 }
@@ -186,7 +190,7 @@ void write_shader(const std::string& name, const std::string& variant, const std
         w.u32(stage == "compute" ? spvc_compiler_get_execution_mode_argument_by_index(r.compiler, SpvExecutionModeLocalSize, axis) : 1);
     Writer push_pointers, bindings;
     write_push(r, w, push_pointers);
-    write_bindings(r, bindings);
+    write_bindings(r, stage == "frag", bindings);
     w.out += bindings.out + push_pointers.out;
     write_structs(r, w);
     w.u32(static_cast<uint32_t>(words.size()));

@@ -25,6 +25,14 @@ struct LightSample {
 
 const LightSample kNoLightSample = LightSample(vec3(0.0), vec3(0.0), vec3(0.0), 0.0, false, false);
 
+// With which pick_light() returns this light.
+float pick_probability(uint emitter, uint triangle) {
+    const Emitter e = scene_emitter(emitter);
+    float probability = alias_pmf(scene.header.emitter_table, emitter);
+    if (e.kind == kEmitterMesh) probability *= alias_pmf(scene.header.triangle_tables + uint64_t(e.triangle_table) * 12ul, triangle);
+    return probability;
+}
+
 // x_ws and n_ws are not used yet: emitters are chosen by their share of the emitted flux, infinite ones by a set share.
 LightPick pick_light(vec3 x_ws, vec3 n_ws, vec4 u) {
     LightPick pick = LightPick(kNone, 0u, 0.0);
@@ -69,11 +77,16 @@ uint surface_emitter(Surface s) {
     return UintArray(scene.header.geometry_emitters).v[scene_instance(s.instance).emitter_base + s.geometry];
 }
 
-LightSample sample_mesh_light(LightPick pick, Emitter emitter, vec3 x_ws, vec2 u) {
-    LightSample result = kNoLightSample;
-    const Instance instance = scene_instance(emitter.instance);
-    const Geometry geometry = scene_geometry(emitter.geometry);
-    const Material material = scene_material(geometry.material);
+// A point of an emissive triangle, chosen uniformly.
+struct LightPoint {
+    vec3 position_ws, position_error;
+    vec3 normal;  // twice the triangle's area long, on the front side
+    float double_area_ws;
+    vec3 weights;
+};
+
+LightPoint point_on_mesh(LightPick pick, Instance instance, Geometry geometry, vec2 u) {
+    LightPoint point;
     const uvec3 index = IndexArray(geometry.indices).v[pick.triangle];
     PositionArray positions = PositionArray(geometry.positions);
     vec3 e0, e1, e2;
@@ -81,30 +94,47 @@ LightSample sample_mesh_light(LightPick pick, Emitter emitter, vec3 x_ws, vec2 u
     const vec3 p1 = transform_point_precise(instance.world_from_object, positions.v[index.y], vec3(0.0), e1);
     const vec3 p2 = transform_point_precise(instance.world_from_object, positions.v[index.z], vec3(0.0), e2);
     const vec2 barycentrics = sample_triangle(u);
-    const vec3 weights = vec3(1.0 - barycentrics.x - barycentrics.y, barycentrics);
-    const vec3 p = interpolate(weights, p0, p1, p2);
-    const vec3 normal = cross(p1 - p0, p2 - p0) * ((instance.flags & kInstanceFlipsFacing) != 0u ? -1.0 : 1.0);
-    const float double_area = length(normal);
-    const vec3 to_light = p - x_ws;
-    const float distance_squared = dot(to_light, to_light);
-    if (double_area <= 0.0 || distance_squared <= 0.0) return result;
-    result.wi = to_light * inversesqrt(distance_squared);
-    const float cosine = -dot(normal, result.wi) / double_area;
-    if (cosine <= 0.0 && (material.flags & kMaterialDoubleSided) == 0u) return result;
-    if (abs(cosine) < 1e-7) return result;
+    point.weights = vec3(1.0 - barycentrics.x - barycentrics.y, barycentrics);
+    point.position_ws = interpolate(point.weights, p0, p1, p2);
+    point.position_error = 1e-6 * max_component(abs(p0) + abs(p1) + abs(p2)) + max(e0, max(e1, e2));
+    point.normal = cross(p1 - p0, p2 - p0) * ((instance.flags & kInstanceFlipsFacing) != 0u ? -1.0 : 1.0);
+    point.double_area_ws = length(point.normal);
+    return point;
+}
+
+// Nits of the point along w (unit, to it); without a direction (0) what shines below a clear coat.
+vec3 radiance_on_mesh(LightPick pick, LightPoint point, Instance instance, Geometry geometry, Material material, vec3 w) {
+    const uvec3 index = IndexArray(geometry.indices).v[pick.triangle];
+    const vec3 weights = point.weights;
     AttributeArray attributes = AttributeArray(geometry.attributes);
     const VertexAttributes a0 = attributes.v[index.x], a1 = attributes.v[index.y], a2 = attributes.v[index.z];
     const TexturePoint at = TexturePoint(interpolate(weights, a0.uv0, a1.uv0, a2.uv0), interpolate(weights, a0.uv1, a1.uv1, a2.uv1), kFullResolution);
-    result.radiance = material.emission * fetch_texture(material.emissive_texture, at).rgb;
-    if (kLayers && (material.flags & kMaterialCoated) != 0u)
-        result.radiance *= emission_through_coat(material, at, vertex_normal(instance, interpolate(weights, a0.normal, a1.normal, a2.normal), normal / double_area), result.wi);
+    vec3 radiance = material.emission * fetch_texture(material.emissive_texture, at).rgb;
+    if (kLayers && (material.flags & kMaterialCoated) != 0u && w != vec3(0.0))
+        radiance *= emission_through_coat(material, at, vertex_normal(instance, interpolate(weights, a0.normal, a1.normal, a2.normal), point.normal / point.double_area_ws), w);
     if ((geometry.flags & kAlphaModeMask) != kAlphaOpaque) {
-        const float alpha = fetch_alpha(geometry, pick.triangle, barycentrics);
-        result.radiance *= (geometry.flags & kAlphaModeMask) == kAlphaBlend ? alpha : float(alpha >= material.alpha_cutoff);
+        const float alpha = fetch_alpha(geometry, pick.triangle, weights.yz);
+        radiance *= (geometry.flags & kAlphaModeMask) == kAlphaBlend ? alpha : float(alpha >= material.alpha_cutoff);
     }
-    const vec3 error = 1e-6 * max_component(abs(p0) + abs(p1) + abs(p2)) + max(e0, max(e1, e2));
-    result.target_ws = offset_origin(p, error, normal / double_area, -result.wi);
-    result.pdf = pick.probability * 2.0 / double_area * distance_squared / abs(cosine);
+    return radiance;
+}
+
+LightSample sample_mesh_light(LightPick pick, Emitter emitter, vec3 x_ws, vec2 u) {
+    LightSample result = kNoLightSample;
+    const Instance instance = scene_instance(emitter.instance);
+    const Geometry geometry = scene_geometry(emitter.geometry);
+    const Material material = scene_material(geometry.material);
+    const LightPoint point = point_on_mesh(pick, instance, geometry, u);
+    const vec3 to_light = point.position_ws - x_ws;
+    const float distance_squared = dot(to_light, to_light);
+    if (point.double_area_ws <= 0.0 || distance_squared <= 0.0) return result;
+    result.wi = to_light * inversesqrt(distance_squared);
+    const float cosine = -dot(point.normal, result.wi) / point.double_area_ws;
+    if (cosine <= 0.0 && (material.flags & kMaterialDoubleSided) == 0u) return result;
+    if (abs(cosine) < 1e-7) return result;
+    result.radiance = radiance_on_mesh(pick, point, instance, geometry, material, result.wi);
+    result.target_ws = offset_origin(point.position_ws, point.position_error, point.normal / point.double_area_ws, -result.wi);
+    result.pdf = pick.probability * 2.0 / point.double_area_ws * distance_squared / abs(cosine);
     return result;
 }
 

@@ -109,11 +109,11 @@ MediumStack media_behind(PathState path, Shading shading, vec3 wi) {
     return wi.z < 0.0 && !shading.s.scattering.thin ? shading.boundary.beyond : path.media;
 }
 
-NextEvent sample_next_event(ViewData view, PathState path, Shading shading, vec4 u_pick, vec4 u_light, uint alpha_key) {
+// What a light sample adds to the path if its ray is free. `bsdf_share`: how many BSDF samples there are for each light sample that it
+// was chosen from, for the weight of MIS.
+NextEvent next_event(ViewData view, PathState path, Shading shading, LightSample light, float bsdf_share, uint alpha_key) {
     NextEvent event;
     event.exists = false;
-    const LightPick pick = pick_light(shading.s.position_ws, shading.s.n_geometric_ws, u_pick);
-    const LightSample light = sample_light(pick, shading.s.position_ws, u_light);
     if (light.pdf <= 0.0 || (view.light_sampling == kBsdfSamplingOnly && !light.is_delta)) return event;  // no ray can hit a delta light
     const vec3 wi = light.wi * shading.frame;
     if (!sides_agree(shading, wi, light.wi)) return event;
@@ -121,7 +121,7 @@ NextEvent sample_next_event(ViewData view, PathState path, Shading shading, vec4
     const BsdfValue value = terms.value;
     if (max_component(total(value)) <= 0.0) return event;
     float weight = 1.0;
-    if (!light.is_delta && view.light_sampling == kLightSamplingMis) weight = mis_power_heuristic(light.pdf, terms.pdf);
+    if (!light.is_delta && view.light_sampling == kLightSamplingMis) weight = mis_power_heuristic(light.pdf, terms.pdf * bsdf_share);
     vec3 arriving = path.throughput * light.radiance * (weight / light.pdf);
     event.ray = spawn_ray(shading.s, light.wi, kInfinity, alpha_key);
     if (!light.infinite) {
@@ -136,6 +136,11 @@ NextEvent sample_next_event(ViewData view, PathState path, Shading shading, vec4
     return event;
 }
 
+NextEvent sample_next_event(ViewData view, PathState path, Shading shading, vec4 u_pick, vec4 u_light, uint alpha_key) {
+    const LightPick pick = pick_light(shading.s.position_ws, shading.s.n_geometric_ws, u_pick);
+    return next_event(view, path, shading, sample_light(pick, shading.s.position_ws, u_light), 1.0, alpha_key);
+}
+
 // The variant RAY_CONES reads textures as finely as the path sees them (texture.lod=cone); without it cones cost nothing.
 #ifdef RAY_CONES
 RayCone first_cone(ViewData view) { return RayCone(view.pixel_width, view.pixel_spread); }
@@ -147,9 +152,10 @@ RayCone next_cone(RayCone cone, float t, uint lobe, Bsdf bsdf) { return kNoCone;
 RayCone passing_cone(RayCone cone, float t) { return kNoCone; }
 #endif
 
-// Continues the path by the BSDF; false: it ends here.
-bool scatter(inout PathState path, Shading shading, float u_lobe, vec2 u, uint alpha_key) {
-    const BsdfSample next = sample_bsdf(shading.bsdf, shading.wo, u_lobe, u);
+// Continues the path by the BSDF, u = (lobe, direction); false: it ends here. without diffuse: only what other lobes scatter goes on.
+bool scatter(inout PathState path, Shading shading, vec3 u, bool diffuse, uint alpha_key) {
+    BsdfSample next = sample_bsdf(shading.bsdf, shading.wo, u.x, u.yz);
+    if (!diffuse) next.weight.diffuse = vec3(0.0);
     if (next.lobe == kLobeNone) return false;
     const vec3 wi_ws = shading.frame * next.wi;
     if (!sides_agree(shading, next.wi, wi_ws)) return false;
@@ -210,6 +216,23 @@ bool pass_pane(ViewData view, inout PathState path, Surface s) {
     return true;
 }
 
+// The numbers of a vertex where the path scatters.
+struct VertexNumbers {
+    vec4 pick, light;
+    vec3 scatter;  // lobe, direction
+};
+
+// What happens where the path scatters: a light is asked for, and it goes on. A pass that says OWN_SCATTERING does it in its own way.
+#ifdef OWN_SCATTERING
+void scatter_at(ViewData view, PathKey key, Shading shading, VertexNumbers u, inout PathState path, inout VertexResult result);
+#else
+void scatter_at(ViewData view, PathKey key, Shading shading, VertexNumbers u, inout PathState path, inout VertexResult result) {
+    const uint bounce = path.path_class.bounce;
+    result.event = sample_next_event(view, path, shading, u.pick, u.light, alpha_key(key, bounce, kRayShadow));
+    result.goes_on = scatter(path, shading, u.scatter, true, alpha_key(key, bounce + 1u, kRayPath));
+}
+#endif
+
 // One vertex, from what the path's ray met there. `first` is set at the first surface.
 VertexResult shade_vertex(ViewData view, PathKey key, Hit hit, inout PathState path, inout FirstHit first) {
     VertexResult result;
@@ -239,16 +262,15 @@ VertexResult shade_vertex(ViewData view, PathKey key, Hit hit, inout PathState p
 
     PathSampler samples = make_sampler(key.pixel, key.sample_index, key.seed, view.sampler_kind, scene.header.sobol, scene.header.blue_noise);
     start_bounce(samples, bounce + 1u);
-    const vec4 u_pick = vec4(next_2d(samples), next_2d(samples));
-    const vec4 u_light = vec4(next_2d(samples), next_2d(samples));
-    const float u_lobe = next_1d(samples);
-    const vec2 u_direction = next_2d(samples);
+    VertexNumbers u;
+    u.pick = vec4(next_2d(samples), next_2d(samples));
+    u.light = vec4(next_2d(samples), next_2d(samples));
+    u.scatter.x = next_1d(samples);
+    u.scatter.yz = next_2d(samples);
     const float u_roulette = next_1d(samples);
     if (bounce >= view.roulette_start && !survive_roulette(path, u_roulette)) return result;
 
-    const Shading shading = make_shading(view, path, s, boundary);
-    result.event = sample_next_event(view, path, shading, u_pick, u_light, alpha_key(key, bounce, kRayShadow));
-    result.goes_on = scatter(path, shading, u_lobe, u_direction, alpha_key(key, bounce + 1u, kRayPath));
+    scatter_at(view, key, make_shading(view, path, s, boundary), u, path, result);
     return result;
 }
 #endif

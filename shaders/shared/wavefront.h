@@ -18,16 +18,14 @@ SHARED_CONST uint kListRays = 0u;
 SHARED_CONST uint kListShadows = 1u;  // entries of vertices
 SHARED_CONST uint kListClasses = 2u;  // kClassCount of them
 SHARED_CONST uint kListCount = 7u;
-// Two more counters: visits that were taken, slots that wait.
-SHARED_CONST uint kCountVisits = kListCount;
-SHARED_CONST uint kCountWaiting = kListCount + 1u;
-SHARED_CONST uint kCounterCount = kListCount + 2u;
+// One more counter: paths of the slice that were taken.
+SHARED_CONST uint kCountPaths = kListCount;
+SHARED_CONST uint kCounterCount = kListCount + 1u;
 
 // What a slot is about.
-SHARED_CONST uint kSlotFree = 0u;     // Generate gives it a sample
+SHARED_CONST uint kSlotFree = 0u;     // Generate gives it a path
 SHARED_CONST uint kSlotLives = 1u;    // its path has a next ray
-SHARED_CONST uint kSlotWaits = 2u;    // until the sample before its own is in the film
-SHARED_CONST uint kSlotRetires = 3u;  // no sample is left for it
+SHARED_CONST uint kSlotRetires = 2u;  // no path is left for it
 
 SHARED_CONST uint kWavefrontGroup = 128u;  // invocations of a work group of the kernels that trace nothing
 
@@ -42,7 +40,6 @@ struct WavefrontRay {
 // WavefrontRay::bits and WavefrontVertex::bits
 SHARED_CONST uint kPathBounces = 0xFFFFFFu;  // scatterings before this ray
 SHARED_CONST uint kPathTransmitted = 1u << 24;
-SHARED_CONST uint kPathSampleShift = 25u;    // of a ray, and of a slot that waits: which sample of the slice, 6 bits
 SHARED_CONST uint kVertexExists = 1u << 25;  // of a vertex
 SHARED_CONST uint kVertexEvent = 1u << 26;   // it asked for light
 SHARED_CONST uint kVertexEnds = 1u << 27;    // the path's last
@@ -66,19 +63,18 @@ struct WavefrontExtra {
     float cone_width, cone_spread;
 };
 
-// What a slot's sample has gathered so far, and where it goes: 16 bytes.
+// What a slot's path has gathered so far, and which one it is: 16 bytes.
 struct WavefrontSlot {
     vec3 radiance;
-    uint pixel;  // of the film; kNoPixel: none yet
+    uint path;  // of the slice: all pixels' first samples, then all their next ...
 };
-SHARED_CONST uint kNoPixel = 0xFFFFFFFFu;
 
 // One vertex of a path, 32 bytes: entry number * slot_count + slot, the number counted from the last Connect.
 struct WavefrontVertex {
     vec3 arriving;
     uint bits;
     vec3 sampled;  // what its shadow ray adds: if that is free before Connect, after it what is left
-    uint pixel;
+    uint path;
 };
 
 // Its shadow ray, 32 bytes.
@@ -95,10 +91,16 @@ struct WavefrontSplit {
     vec3 diffuse, specular, transmission;  // of the sampled light
 };
 
-// What a slot's sample has gathered so far by path class, there too: 72 bytes. Floats are added in the order of the path, as the
-// reference adds them.
+// What a slot's path has gathered so far by path class, there too, and in the end a path of the slice: 72 bytes. Floats are added in
+// the order of the path, as the reference adds them.
 struct WavefrontClassSums {
     vec3 emission, direct_diffuse, direct_specular, indirect_diffuse, indirect_specular, transmission;
+};
+
+// What a path of the slice saw first, kept where the film has layers of it: 40 bytes.
+struct WavefrontFirst {
+    vec3 albedo, normal_ws, emission;
+    float roughness;
 };
 
 // Bounces that the statistics tell apart; the last one counts all further ones too.
@@ -111,11 +113,10 @@ struct WavefrontControl {
     uint slot_count;
     uint shadow_capacity;  // of the list of shadow rays: one a vertex that can come between two Connects
     uint split;        // 1: light is kept by path class
-    uint visit;        // samples of a pixel that a slot draws one after another
     // Since the slice began.
-    uint count[kCounterCount];   // entries of the lists; visits: all pixels' first samples, then all their next ...
+    uint count[kCounterCount];   // entries of the lists, paths taken
     uint overflow[kListCount];   // entries that found no room
-    uint live;                   // slots that had a ray or waited in the last iteration
+    uint live;                   // slots that had a ray in the last iteration
     uint iterations;             // in which a ray was traced
     uint rays[kCountedBounces][kClassCount];     // that met this class
     uint shadows[kCountedBounces][kClassCount];  // asked for at it

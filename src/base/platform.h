@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace parhelion::platform {
 
@@ -35,6 +36,10 @@ OpenedFile open_for_reading(const std::filesystem::path& path);
 
 // Flushes a file's data to the disk; false if that failed (disk full shows up here).
 bool sync_file(const std::filesystem::path& path);
+
+// Becomes another program, with these words as its arguments. Returns only if that failed, with why.
+std::string become_program(const std::filesystem::path& program, const std::vector<std::string>& words);
+std::filesystem::path program_folder();  // where this program lies; empty: unknown
 
 // A shared library loaded at run time; nullptr if it is not there.
 void* load_library(const std::string& name);

@@ -1,7 +1,9 @@
 #include "base/platform.h"
 
+#include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <string>
 
@@ -88,6 +90,19 @@ bool sync_file(const std::filesystem::path& path) {
     if (file < 0) return false;
     const bool synced = fsync(file) == 0 || errno == EINVAL || errno == EROFS;
     return close(file) == 0 && synced;
+}
+
+std::string become_program(const std::filesystem::path& program, const std::vector<std::string>& words) {
+    std::vector<char*> arguments{const_cast<char*>(program.c_str())};
+    for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+    arguments.push_back(nullptr);
+    execv(program.c_str(), arguments.data());
+    return std::strerror(errno);
+}
+
+std::filesystem::path program_folder() {
+    std::error_code ignored;
+    return std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
 }
 
 void* load_library(const std::string& name) { return dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL); }

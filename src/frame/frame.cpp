@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "base/error.h"
 #include "base/log.h"
@@ -60,14 +61,14 @@ void Frame::reset_history(std::string_view reason) {
 }
 
 Pass Frame::compute(std::string_view name, std::string_view defines) {
-    Pass pass(*this, std::string(name), std::string(defines), false);
+    Pass pass(*this, std::string(name), std::string(defines), Pass::Kind::Compute);
     pass.program();  // complains here if there is no such shader
     return pass;
 }
 
 Pass Frame::trace(std::string_view name, gpu::TraceWay way, std::string_view defines) {
-    const bool pipeline = way == gpu::TraceWay::Pipeline;
-    return {*this, std::string(name), fmt::format("{}{}", gpu::trace_way_name(way), defines), pipeline};
+    const Pass::Kind kind = way == gpu::TraceWay::Pipeline ? Pass::Kind::Trace : Pass::Kind::Compute;
+    return {*this, std::string(name), fmt::format("{}{}", gpu::trace_way_name(way), defines), kind};
 }
 
 void Frame::add(Record record) { records_.push_back(std::move(record)); }
@@ -148,7 +149,7 @@ gpu::Ticket Frame::submit() {
     gpu::CommandList commands(device_);
     record(commands);
     try {
-        return in_flight_.back().ticket = gpu::submit(device_, std::move(commands));
+        return in_flight_.back().ticket = gpu::submit(device_, std::move(commands), std::exchange(window_, nullptr));
     } catch (const Error& error) {
         report_loss(error);
     }

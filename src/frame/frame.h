@@ -55,7 +55,21 @@ struct History {
     bool valid = false;  // `before` holds data
 };
 
-// The builder of one pass. over(), over_indirect() end it.
+// A draw of a raster pass; without a scissor it may touch all of the target.
+struct DrawCall {
+    gpu::Draw draw;
+    std::optional<gpu::Rect> scissor = {};
+};
+
+// A pass as the Frame keeps it until it is recorded.
+struct FrameRecord {
+    PassInfo info;
+    std::vector<Access> accesses;
+    std::vector<gpu::Image> images = {};  // that may need their first layout
+    std::function<void(gpu::CommandList&)> launch;
+};
+
+// The builder of one pass. over(), over_indirect(), or the draws of a raster pass end it.
 class Pass {
 public:
     Pass& read(std::string_view name, const gpu::Buffer& buffer);
@@ -77,6 +91,15 @@ public:
     void over(gpu::Extent extent) { over(extent.width, extent.height, extent.depth); }
     void over_indirect(const gpu::Buffer& args, uint64_t offset);
 
+    // Raster passes. What is drawn into: the fragment shader's outputs by name, and the depth buffer. Without a clear value an image keeps
+    // what it holds. All have one extent.
+    Pass& color(std::string_view name, const gpu::Image& image, const std::optional<gpu::ClearColor>& clear = {});
+    Pass& depth(const gpu::Image& image, std::optional<float> clear = {});
+    void draw(std::vector<DrawCall> draws);  // in this order; none: only clears
+    // gpu::Draw[] in a buffer, from `offset` bytes on: as many as the word at `count_offset` of `count` says, at most `most`. Those behind must
+    // be empty (vertex_count 0) where DeviceCaps::draw_indirect_count is missing: there all `most` are drawn.
+    void draw_indirect(const gpu::Buffer& draws, uint64_t offset, const gpu::Buffer& count, uint64_t count_offset, uint32_t most);
+
 private:
     friend class Frame;
     struct Bound {
@@ -85,19 +108,30 @@ private:
         gpu::Sampler sampler;
         bool reads, writes;
     };
-    Pass(Frame& frame, std::string name, std::string variant, bool ray_tracing)
-        : frame_(frame), name_(std::move(name)), variant_(std::move(variant)), ray_tracing_(ray_tracing) {}
+    enum class Kind { Compute, Trace, Raster };
+    Pass(Frame& frame, std::string name, std::string variant, Kind kind) : frame_(frame), name_(std::move(name)), variant_(std::move(variant)), kind_(kind) {}
     const gpu::Program& program();  // made when it is first needed: the scene's layout of nodes is a constant in it
+    gpu::Program raster_program() const;
+    const gpu::ShaderCode& code();  // of a raster pass: known before its program, which depends on what it draws into
     Pass& bind(std::string_view name, std::variant<gpu::Buffer, gpu::Image> resource, bool reads, bool writes, const gpu::Sampler& sampler = {});
     Pass& push_bytes(const void* data, size_t bytes);
     gpu::Use use(bool reads, bool writes) const;
+    gpu::Use sample_use() const;
+    void check_outputs();
+    void note_target(FrameRecord& record, std::vector<Access>& accesses) const;
+    void draw_into_target(std::function<void(gpu::CommandList&)> draws);
     void resolve(std::vector<gpu::Binding>& bindings, std::vector<Access>& accesses);
     void finish(std::string extent, std::function<void(gpu::CommandList&)> launch, std::vector<Access> accesses);
 
     Frame& frame_;
     std::string name_, variant_;
-    bool ray_tracing_;
+    Kind kind_;
     gpu::Program program_;
+    gpu::RasterState raster_state_;
+    gpu::ShaderCode raster_code_;
+    gpu::RenderTarget target_;               // colours in order of location, once check_outputs() has sorted them
+    std::vector<std::string> output_names_;  // of the colours
+    std::vector<gpu::Buffer> draw_lists_;    // that draws are read from
     std::vector<Bound> bound_;
     std::vector<gpu::Buffer> reached_;
     std::vector<std::byte> push_;
@@ -123,6 +157,8 @@ public:
     // A compute pass; a tracing pass in one of the three ways. `defines`: "+DEFINE" for a declared variant.
     Pass compute(std::string_view name, std::string_view defines = {});
     Pass trace(std::string_view name, gpu::TraceWay way, std::string_view defines = {});
+    // Triangles through a vertex and a fragment shader, which read vertices by address; on devices with DeviceCaps::raster.
+    Pass raster(std::string_view name, const gpu::RasterState& state, std::string_view defines = {});
 
     // Transfers and builds are passes too.
     void upload(const gpu::Buffer& to, uint64_t offset, std::span<const std::byte> bytes);
@@ -133,6 +169,9 @@ public:
     // Rows [first_row, first_row + rows) of one level, tightly packed.
     std::span<std::byte> upload_rows_in_place(const gpu::Image& to, uint32_t mip, uint32_t first_row, uint32_t rows);
     void make_mips(const gpu::Image& image);
+    void scale(const gpu::Image& from, const gpu::Image& to);  // the whole of it, linear filter where sizes differ
+    // Into the image that the window has taken, which submit() then shows: the last pass of a frame that is submitted.
+    void show(const gpu::Image& from, gpu::Swapchain& window);
     void fill(const gpu::Buffer& buffer, uint32_t value);
     void copy(const gpu::Buffer& from, uint64_t from_offset, const gpu::Buffer& to, uint64_t to_offset, uint64_t bytes);
     gpu::Buffer read_back(const gpu::Buffer& from);  // mapped copy, valid after completion
@@ -163,12 +202,7 @@ public:
 
 private:
     friend class Pass;
-    struct Record {
-        PassInfo info;
-        std::vector<Access> accesses;
-        std::vector<gpu::Image> images;  // that may need their first layout
-        std::function<void(gpu::CommandList&)> launch;
-    };
+    using Record = FrameRecord;
     struct InFlight {
         uint64_t serial = 0;
         gpu::Ticket ticket = 0;
@@ -209,6 +243,7 @@ private:
     double gpu_ms_ = 0;
     std::vector<std::string> complaints_;
     gpu::Buffer marker_;
+    gpu::Swapchain* window_ = nullptr;  // that this frame is shown in
     uint32_t barrier_count_ = 0;
     uint64_t serial_ = 1, recorded_serial_ = 0;
 };

@@ -52,13 +52,17 @@ Pass& Pass::reach(std::span<const gpu::Buffer> buffers) {
 }
 
 const gpu::Program& Pass::program() {
-    if (!program_) program_ = gpu::Program::get(frame_.device_, frame_.pack_, name_, variant_, ray_tracing_, scene_ ? scene_->bvh_variant : 0);
+    if (!program_)
+        program_ = kind_ == Kind::Raster ? raster_program()
+                                         : gpu::Program::get(frame_.device_, frame_.pack_, name_, variant_, kind_ == Kind::Trace, scene_ ? scene_->bvh_variant : 0);
     return program_;
 }
 
+const gpu::ShaderCode& Pass::code() { return kind_ == Kind::Raster ? raster_code_ : program().code(); }
+
 Pass& Pass::push_bytes(const void* data, size_t bytes) {
     // C++ pads a struct with addresses to a multiple of 8 bytes at its end; scalar layout does not.
-    const uint32_t declared = program().code().push_bytes;
+    const uint32_t declared = code().push_bytes;
     PARHELION_CHECK(bytes == declared || bytes == (declared + 7u) / 8u * 8u, "pass {} {}: the push constants are {} bytes, the shader declares {}",
                     name_, variant_, bytes, declared);
     push_.resize(declared);
@@ -67,9 +71,12 @@ Pass& Pass::push_bytes(const void* data, size_t bytes) {
 }
 
 Use Pass::use(bool reads, bool writes) const {
-    if (ray_tracing_) return reads && writes ? Use::TraceReadWrite : writes ? Use::TraceWrite : Use::TraceRead;
+    if (kind_ == Kind::Raster) return Use::RasterRead;
+    if (kind_ == Kind::Trace) return reads && writes ? Use::TraceReadWrite : writes ? Use::TraceWrite : Use::TraceRead;
     return reads && writes ? Use::ComputeReadWrite : writes ? Use::ComputeWrite : Use::ComputeRead;
 }
+
+Use Pass::sample_use() const { return kind_ == Kind::Raster ? Use::RasterSample : kind_ == Kind::Trace ? Use::TraceSample : Use::ComputeSample; }
 
 // Matches what is bound against what the shader declares, both ways, names and access.
 void Pass::resolve(std::vector<Binding>& bindings, std::vector<Access>& accesses) {
@@ -92,8 +99,7 @@ void Pass::resolve(std::vector<Binding>& bindings, std::vector<Access>& accesses
         std::visit([&](const auto& resource) { binding.resource = resource; }, bound->resource);
         bindings.push_back(std::move(binding));
         const bool sampled = declared.kind == BindingKind::SampledImage;
-        accesses.push_back({id_of(bound->resource), sampled ? (ray_tracing_ ? Use::TraceSample : Use::ComputeSample) : use(declared.reads, declared.writes),
-                            &name_of(bound->resource)});
+        accesses.push_back({id_of(bound->resource), sampled ? sample_use() : use(declared.reads, declared.writes), &name_of(bound->resource)});
     }
     for (const gpu::PushPointer& pointer : code.push_pointers) {
         Bound* bound = nullptr;
@@ -129,6 +135,7 @@ void Pass::finish(std::string extent, std::function<void(gpu::CommandList&)> lau
         if (bound.reads) record.info.reads.push_back(name_of(bound.resource));
         if (bound.writes) record.info.writes.push_back(name_of(bound.resource));
     }
+    note_target(record, accesses);
     for (const gpu::Buffer& buffer : reached_) {
         record.info.reads.push_back(buffer.name());
         accesses.push_back({buffer.id(), use(true, false), &buffer.name()});
@@ -140,10 +147,9 @@ void Pass::finish(std::string extent, std::function<void(gpu::CommandList&)> lau
         set = scene_->set;
         frame_.keep(set->data());
         for (const gpu::Buffer& buffer : scene_->buffers) accesses.push_back({buffer.id(), use(true, false), &buffer.name()}), frame_.keep(buffer.data());
-        for (const gpu::Image& image : scene_->textures)
-            accesses.push_back({image.id(), ray_tracing_ ? Use::TraceSample : Use::ComputeSample, &image.name()}), frame_.keep(image.data());
-        for (const gpu::AccelStruct& accel : scene_->accels)
-            accesses.push_back({accel.id(), ray_tracing_ ? Use::TraceAccel : Use::ComputeAccel, &accel.name()}), frame_.keep(accel.data());
+        for (const gpu::Image& image : scene_->textures) accesses.push_back({image.id(), sample_use(), &image.name()}), frame_.keep(image.data());
+        for (const gpu::AccelStruct& accel : kind_ == Kind::Raster ? std::vector<gpu::AccelStruct>{} : scene_->accels)
+            accesses.push_back({accel.id(), kind_ == Kind::Trace ? Use::TraceAccel : Use::ComputeAccel, &accel.name()}), frame_.keep(accel.data());
     }
     frame_.keep(program_.data());
     record.accesses = std::move(accesses);
@@ -155,17 +161,19 @@ void Pass::finish(std::string extent, std::function<void(gpu::CommandList&)> lau
 }
 
 void Pass::over(uint32_t width, uint32_t height, uint32_t depth) {
+    PARHELION_CHECK(kind_ != Kind::Raster, "pass {} draws; it has no invocations of its own", name_);
     std::string extent = fmt::format("{}x{}", width, height) + (depth > 1 ? fmt::format("x{}", depth) : "");
-    if (ray_tracing_) return finish(std::move(extent), [=](gpu::CommandList& commands) { commands.trace(width, height, depth); }, {});
+    if (kind_ == Kind::Trace) return finish(std::move(extent), [=](gpu::CommandList& commands) { commands.trace(width, height, depth); }, {});
     const uint32_t* local = program().code().local_size;
     const uint32_t x = (width + local[0] - 1) / local[0], y = (height + local[1] - 1) / local[1], z = (depth + local[2] - 1) / local[2];
     finish(std::move(extent), [=](gpu::CommandList& commands) { commands.dispatch(x, y, z); }, {});
 }
 
 void Pass::over_indirect(const gpu::Buffer& args, uint64_t offset) {
+    PARHELION_CHECK(kind_ != Kind::Raster, "pass {} draws; it has no invocations of its own", name_);
     frame_.keep(args.data());
     finish("indirect",
-           [args, offset, rays = ray_tracing_](gpu::CommandList& commands) { rays ? commands.trace_indirect(args, offset) : commands.dispatch_indirect(args, offset); },
+           [args, offset, rays = kind_ == Kind::Trace](gpu::CommandList& commands) { rays ? commands.trace_indirect(args, offset) : commands.dispatch_indirect(args, offset); },
            {{args.id(), Use::IndirectRead, &args.name()}});
 }
 

@@ -102,6 +102,24 @@ void Frame::make_mips(const gpu::Image& image) {
              .launch = [=](gpu::CommandList& commands) { commands.blit_mip(image, mip); }});
 }
 
+void Frame::scale(const gpu::Image& from, const gpu::Image& to) {
+    keep(from.data());
+    keep(to.data());
+    add({.info = {.name = "transfer/scale", .reads = {from.name()}, .writes = {to.name()}},
+         .accesses = {{from.id(), Use::TransferRead, &from.name()}, {to.id(), Use::TransferWrite, &to.name()}},
+         .images = {from, to},
+         .launch = [=](gpu::CommandList& commands) { commands.scale(from, to); }});
+}
+
+void Frame::show(const gpu::Image& from, gpu::Swapchain& window) {
+    keep(from.data());
+    window_ = &window;
+    add({.info = {.name = "transfer/show", .reads = {from.name()}, .writes = {"window"}},
+         .accesses = {{from.id(), Use::TransferRead, &from.name()}},
+         .images = {from},
+         .launch = [from, &window](gpu::CommandList& commands) { commands.copy_to_window(from, window); }});
+}
+
 gpu::Buffer Frame::read_back(const gpu::Buffer& from) {
     const gpu::Buffer to(device_, "frame/readback", from.bytes(), gpu::MemoryKind::Readback);
     copy(from, 0, to, 0, from.bytes());

@@ -8,7 +8,7 @@ namespace parhelion::gpu {
 namespace {
 
 std::string_view kind_name(BindingKind kind) {
-    constexpr std::string_view names[] = {"storage buffer", "storage image", "sampled image", "uniform buffer", "acceleration structure", "texture table"};
+    constexpr std::string_view names[] = {"storage buffer", "storage image", "sampled image", "uniform buffer", "acceleration structure", "texture table", "colour output"};
     return names[static_cast<size_t>(kind)];
 }
 
@@ -77,7 +77,8 @@ struct Writes {
                 accels.push_back({VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET_ACCELERATION_STRUCTURE_KHR, nullptr, 1, &resource(static_cast<const AccelStruct*>(nullptr)).data()->handle});
                 write.pNext = &accels.back();
                 break;
-            case BindingKind::TextureTable: PARHELION_CHECK(false, "program {}: a texture table lies in set 0", code.name);
+            case BindingKind::TextureTable:
+            case BindingKind::ColorOutput: PARHELION_CHECK(false, "program {}: a {} is no resource of set 1", code.name, kind_name(binding.kind));
         }
         writes.push_back(write);
     }
@@ -92,13 +93,13 @@ struct Writes {
     }
 };
 
-// The program bound last, which must be of the right sort.
-const Program::Data& bound_program(const CommandList::Impl& list, bool ray_tracing) {
-    PARHELION_CHECK(list.bound && list.bound->ray_tracing == ray_tracing, "no {} program is bound", ray_tracing ? "ray tracing" : "compute");
-    return *list.bound;
-}
-
 }  // namespace
+
+const Program::Data& CommandList::Impl::bound_program(VkPipelineBindPoint point) const {
+    const char* sort = point == VK_PIPELINE_BIND_POINT_COMPUTE ? "compute" : point == VK_PIPELINE_BIND_POINT_GRAPHICS ? "raster" : "ray tracing";
+    PARHELION_CHECK(bound && bound->point == point, "no {} program is bound", sort);
+    return *bound;
+}
 
 CommandList::CommandList(const DevicePtr& device) : impl_(std::make_unique<Impl>()) {
     impl_->device = device;
@@ -180,7 +181,7 @@ void CommandList::initialise_layout(const Image& image) {
     barrier.newLayout = VK_IMAGE_LAYOUT_GENERAL;
     barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
     barrier.image = data.handle;
-    barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, data.desc.mip_count, 0, 1};
+    barrier.subresourceRange = {image_aspect(data.desc.format), 0, data.desc.mip_count, 0, 1};
     VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
     info.imageMemoryBarrierCount = 1;
     info.pImageMemoryBarriers = &barrier;
@@ -193,20 +194,19 @@ void CommandList::bind(const Program& program, const SceneSet* scene, std::span<
     PARHELION_CHECK(push.size() == code.push_bytes, "program {} {}: {} bytes of push constants, the shader declares {}", code.name, code.variant, push.size(), code.push_bytes);
     PARHELION_CHECK(!data.scene_set || (scene && *scene), "program {} {} sees the scene and none is bound", code.name, code.variant);
     check_bindings(code, bindings);
-    const VkPipelineBindPoint point = data.ray_tracing ? VK_PIPELINE_BIND_POINT_RAY_TRACING_KHR : VK_PIPELINE_BIND_POINT_COMPUTE;
-    impl_->vk().vkCmdBindPipeline(impl_->buffer, point, data.pipeline);
-    if (data.scene_set) impl_->vk().vkCmdBindDescriptorSets(impl_->buffer, point, data.layout, 0, 1, &scene->data()->set, 0, nullptr);
+    impl_->vk().vkCmdBindPipeline(impl_->buffer, data.point, data.pipeline);
+    if (data.scene_set) impl_->vk().vkCmdBindDescriptorSets(impl_->buffer, data.point, data.layout, 0, 1, &scene->data()->set, 0, nullptr);
     if (!bindings.empty()) {
         Writes writes(bindings.size());
         for (const Binding& binding : bindings) writes.add(code, binding);
-        impl_->vk().vkCmdPushDescriptorSetKHR(impl_->buffer, point, data.layout, 1, static_cast<uint32_t>(writes.writes.size()), writes.writes.data());
+        impl_->vk().vkCmdPushDescriptorSetKHR(impl_->buffer, data.point, data.layout, 1, static_cast<uint32_t>(writes.writes.size()), writes.writes.data());
     }
     if (!push.empty()) impl_->vk().vkCmdPushConstants(impl_->buffer, data.layout, data.push_stages, 0, static_cast<uint32_t>(push.size()), push.data());
     impl_->bound = &data;
 }
 
 void CommandList::dispatch(uint32_t groups_x, uint32_t groups_y, uint32_t groups_z) {
-    const Program::Data& program = bound_program(*impl_, false);
+    const Program::Data& program = impl_->bound_program(VK_PIPELINE_BIND_POINT_COMPUTE);
     const uint32_t* most = impl_->device->impl().physical.limits.maxComputeWorkGroupCount;
     PARHELION_CHECK(groups_x <= most[0] && groups_y <= most[1] && groups_z <= most[2], "program {}: {}x{}x{} work groups, the device takes {}x{}x{}", program.code.name,
                     groups_x, groups_y, groups_z, most[0], most[1], most[2]);
@@ -214,13 +214,13 @@ void CommandList::dispatch(uint32_t groups_x, uint32_t groups_y, uint32_t groups
 }
 
 void CommandList::dispatch_indirect(const Buffer& args, uint64_t offset) {
-    bound_program(*impl_, false);
+    impl_->bound_program(VK_PIPELINE_BIND_POINT_COMPUTE);
     PARHELION_CHECK(offset % 4 == 0 && offset <= args.bytes() && args.bytes() - offset >= 12, "indirect arguments at {} of {} ({} bytes)", offset, args.name(), args.bytes());
     impl_->vk().vkCmdDispatchIndirect(impl_->buffer, args.data()->raw.handle, offset);
 }
 
 void CommandList::trace(uint32_t width, uint32_t height, uint32_t depth) {
-    const Program::Data& program = bound_program(*impl_, true);
+    const Program::Data& program = impl_->bound_program(VK_PIPELINE_BIND_POINT_RAY_TRACING_KHR);
     const uint64_t most = impl_->device->impl().physical.max_ray_invocations;
     PARHELION_CHECK(width == 0 || height == 0 || depth <= most / width / height, "program {}: {}x{}x{} rays, the device takes {} at once", program.code.name, width, height, depth, most);
     const VkStridedDeviceAddressRegionKHR none{};
@@ -228,7 +228,7 @@ void CommandList::trace(uint32_t width, uint32_t height, uint32_t depth) {
 }
 
 void CommandList::trace_indirect(const Buffer& args, uint64_t offset) {
-    const Program::Data& program = bound_program(*impl_, true);
+    const Program::Data& program = impl_->bound_program(VK_PIPELINE_BIND_POINT_RAY_TRACING_KHR);
     PARHELION_CHECK(impl_->device->impl().physical.trace_indirect, "{} cannot trace indirectly", impl_->device->caps().name);
     PARHELION_CHECK(offset % 4 == 0 && offset <= args.bytes() && args.bytes() - offset >= 12, "indirect arguments at {} of {} ({} bytes)", offset, args.name(), args.bytes());
     const VkStridedDeviceAddressRegionKHR none{};

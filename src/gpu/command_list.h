@@ -1,5 +1,6 @@
 #pragma once
 // Recording of GPU commands. Nothing here tracks hazards: Frame does, and calls barrier(). Also submission, set 0 and timers.
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -11,6 +12,9 @@
 #include "gpu/resources.h"
 
 namespace parhelion::gpu {
+
+class Swapchain;
+using Ticket = uint64_t;  // of a submission
 
 // Descriptor set 0, equal for every program that sees the scene: binding 0 top level now, 1 top level before (both only on
 // devices with acceleration structures), 2 scene header (storage buffer), 3 textures[] (combined image samplers).
@@ -67,6 +71,34 @@ private:
     std::shared_ptr<Data> data_;
 };
 
+// What an attachment holds before anything is drawn: four floats or four integers, as its format has them.
+struct ClearColor {
+    std::array<uint32_t, 4> bits{};
+    static ClearColor floats(float r, float g, float b, float a);
+    static ClearColor uints(uint32_t r, uint32_t g, uint32_t b, uint32_t a) { return {{r, g, b, a}}; }
+};
+// The images that a raster program draws into, all of one extent. Without a clear value an image keeps what it holds.
+struct RenderTarget {
+    struct Color {
+        Image image;
+        std::optional<ClearColor> clear;
+    };
+    std::vector<Color> colors;  // by location
+    Image depth;                // may be empty
+    std::optional<float> depth_clear;
+    Extent extent() const { return colors.empty() ? depth.extent() : colors.front().image.extent(); }
+};
+// Pixels [x, x + width) x [y, y + height) of the target.
+struct Rect {
+    uint32_t x = 0, y = 0, width = 0, height = 0;
+    friend bool operator==(const Rect&, const Rect&) = default;
+};
+// Three vertices a triangle. The shader sees first_vertex + 0, 1, ... and first_instance + 0, 1, ...
+struct Draw {
+    uint32_t vertex_count = 0, instance_count = 1, first_vertex = 0, first_instance = 0;
+};
+static_assert(sizeof(Draw) == 16);  // VkDrawIndirectCommand
+
 class CommandList {
 public:
     explicit CommandList(const DevicePtr& device);              // an own command buffer, begun
@@ -87,11 +119,25 @@ public:
     void trace(uint32_t width, uint32_t height, uint32_t depth);
     void trace_indirect(const Buffer& args, uint64_t offset);
 
+    // Draws of the bound raster program lie between these two; the viewport is the whole target, and so is the scissor at first.
+    void begin_rendering(const RenderTarget& target);
+    void end_rendering();
+    void set_scissor(const Rect& rect);  // the part of it that lies in the target
+    void draw(const Draw& draw);
+    // `count` draws (struct Draw) from `offset` of a buffer on.
+    void draw_indirect(const Buffer& draws, uint64_t offset, uint32_t count);
+    // As many as the word at `count_offset` of `count` says, at most `most`; where the device cannot read that, all `most` of them, so that
+    // those after the last must be empty (vertex_count 0).
+    void draw_indirect_count(const Buffer& draws, uint64_t offset, const Buffer& count, uint64_t count_offset, uint32_t most);
+
     void copy(const Buffer& from, uint64_t from_offset, const Buffer& to, uint64_t to_offset, uint64_t bytes);
     void copy_to_image(const Buffer& from, uint64_t offset, const Image& to, uint32_t mip, uint32_t first_row, uint32_t rows);  // tightly packed
     void copy_from_image(const Image& from, const Buffer& to, uint64_t offset);
     void fill(const Buffer& buffer, uint64_t offset, uint64_t bytes, uint32_t value);
     void blit_mip(const Image& image, uint32_t from_mip);  // linear filter into from_mip + 1
+    void scale(const Image& from, const Image& to);        // the whole of it, linear filter where sizes differ; formats are converted
+    // Into the image that the window has taken (gpu/swapchain.h), scaled to its size; ready to be shown.
+    void copy_to_window(const Image& from, const Swapchain& to);
 
     // They may run side by side, each in its own part of `scratch`, which follow one another from offset 0.
     void build_blas(std::span<const BlasBuild> builds, const Buffer& scratch);
@@ -113,8 +159,8 @@ private:
 
 // Submits an own command list; the returned ticket tells when it is done. Resources referenced by the list must live until
 // then (Frame keeps them). Throws Error on device loss.
-using Ticket = uint64_t;
-Ticket submit(const DevicePtr& device, CommandList&& commands);
+// With a window it waits for the image that the window has taken, which the list fills, and shows it when it is done.
+Ticket submit(const DevicePtr& device, CommandList&& commands, Swapchain* window = nullptr);
 bool is_done(const DevicePtr& device, Ticket ticket);
 // Waits for completion, at most timeout_seconds (then false). Throws Error on device loss.
 bool wait(const DevicePtr& device, Ticket ticket, double timeout_seconds = 600.0);

@@ -15,7 +15,7 @@ Extent mip_extent(const ImageDesc& desc, uint32_t mip) {
     return {std::max(desc.extent.width >> mip, 1u), std::max(desc.extent.height >> mip, 1u), 1};
 }
 
-VkImageSubresourceLayers layers(uint32_t mip) { return {VK_IMAGE_ASPECT_COLOR_BIT, mip, 0, 1}; }
+VkImageSubresourceLayers layers(const Image& image, uint32_t mip) { return {image_aspect(image.desc().format), mip, 0, 1}; }
 
 uint64_t scratch_address(const AccelStruct& accel, const Buffer& scratch, uint64_t offset, uint32_t alignment) {
     check_range(scratch, offset, accel.scratch_bytes());
@@ -75,7 +75,7 @@ void CommandList::copy_to_image(const Buffer& from, uint64_t offset, const Image
     check_range(from, offset, format_bytes(to.desc().format, extent.width, rows));
     VkBufferImageCopy region{};
     region.bufferOffset = offset;
-    region.imageSubresource = layers(mip);
+    region.imageSubresource = layers(to, mip);
     region.imageOffset = {0, static_cast<int32_t>(first_row), 0};
     region.imageExtent = {extent.width, rows, 1};
     impl_->vk().vkCmdCopyBufferToImage(impl_->buffer, from.data()->raw.handle, to.data()->handle, VK_IMAGE_LAYOUT_GENERAL, 1, &region);
@@ -86,7 +86,7 @@ void CommandList::copy_from_image(const Image& from, const Buffer& to, uint64_t 
     check_range(to, offset, format_bytes(from.desc().format, extent.width, extent.height));
     VkBufferImageCopy region{};
     region.bufferOffset = offset;
-    region.imageSubresource = layers(0);
+    region.imageSubresource = layers(from, 0);
     region.imageExtent = {extent.width, extent.height, 1};
     impl_->vk().vkCmdCopyImageToBuffer(impl_->buffer, from.data()->handle, VK_IMAGE_LAYOUT_GENERAL, to.data()->raw.handle, 1, &region);
 }
@@ -103,13 +103,25 @@ void CommandList::blit_mip(const Image& image, uint32_t from_mip) {
         throw Error(ErrorCode::MissingFeature, "its queue cannot filter images into mip levels", impl_->device->caps().name);
     const Extent from = mip_extent(image.desc(), from_mip), to = mip_extent(image.desc(), from_mip + 1);
     VkImageBlit region{};
-    region.srcSubresource = layers(from_mip);
+    region.srcSubresource = layers(image, from_mip);
     region.srcOffsets[1] = {static_cast<int32_t>(from.width), static_cast<int32_t>(from.height), 1};
-    region.dstSubresource = layers(from_mip + 1);
+    region.dstSubresource = layers(image, from_mip + 1);
     region.dstOffsets[1] = {static_cast<int32_t>(to.width), static_cast<int32_t>(to.height), 1};
     const VkImage handle = image.data()->handle;
     impl_->vk().vkCmdBlitImage(impl_->buffer, handle, VK_IMAGE_LAYOUT_GENERAL, handle, VK_IMAGE_LAYOUT_GENERAL, 1, &region, VK_FILTER_LINEAR);
 }
+
+void CommandList::Impl::blit(const Image& from, VkImage to, const Extent& extent, VkImageLayout layout) {
+    if (!device->impl().physical.queue_has_graphics) throw Error(ErrorCode::MissingFeature, "its queue cannot scale images", device->caps().name);
+    VkImageBlit region{};
+    region.srcSubresource = region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    region.srcOffsets[1] = {static_cast<int32_t>(from.extent().width), static_cast<int32_t>(from.extent().height), 1};
+    region.dstOffsets[1] = {static_cast<int32_t>(extent.width), static_cast<int32_t>(extent.height), 1};
+    const VkFilter filter = from.extent() == extent ? VK_FILTER_NEAREST : VK_FILTER_LINEAR;
+    vk().vkCmdBlitImage(buffer, from.data()->handle, VK_IMAGE_LAYOUT_GENERAL, to, layout, 1, &region, filter);
+}
+
+void CommandList::scale(const Image& from, const Image& to) { impl_->blit(from, to.data()->handle, to.extent(), VK_IMAGE_LAYOUT_GENERAL); }
 
 void CommandList::build_blas(std::span<const BlasBuild> builds, const Buffer& scratch) {
     std::vector<BlasInfo> infos(builds.size());

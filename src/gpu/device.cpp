@@ -36,11 +36,11 @@ Device::Device() : impl_(std::make_unique<Impl>()) {}
 std::shared_ptr<Device> Device::open(const DeviceRequest& request) {
     const char* environment = std::getenv("PARHELION_DEVICE");
     const std::string selector = !request.selector.empty() ? request.selector : environment ? environment : "";
-    const std::shared_ptr<Instance> instance = create_instance(request.validate);
+    const std::shared_ptr<Instance> instance = create_instance(request.validate, request.window_extensions);
     std::vector<PhysicalDevice> physicals;
     std::vector<DeviceCaps> caps;
     for (const VkPhysicalDevice handle : instance->physical_devices()) {
-        physicals.push_back(inspect(*instance, handle, static_cast<uint32_t>(physicals.size()), request.mask_ray_tracing));
+        physicals.push_back(inspect(*instance, handle, static_cast<uint32_t>(physicals.size()), request.mask_ray_tracing, !request.window_extensions.empty()));
         caps.push_back(physicals.back().caps);
     }
     std::shared_ptr<Device> device(new Device);
@@ -69,6 +69,9 @@ std::shared_ptr<Device> Device::borrow(const BorrowedDevice& handles) {
     caps.ray_pipeline = caps.ray_pipeline && handles.enabled_ray_pipeline;
     caps.ray_query = caps.ray_query && handles.enabled_ray_query;
     caps.block_compression = caps.block_compression && handles.enabled_block_compression;
+    caps.raster = caps.raster && handles.enabled_raster && impl.physical.queue_has_graphics;
+    caps.draw_indirect_count = caps.raster && caps.draw_indirect_count && handles.enabled_draw_indirect_count;
+    caps.buffer_int64_atomics = caps.buffer_int64_atomics && handles.enabled_buffer_int64_atomics;
     choose_best({caps});  // throws with what is missing
     device->caps_ = caps;
     impl.device = handles.device;

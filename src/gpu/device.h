@@ -25,6 +25,9 @@ struct DeviceCaps {
     uint64_t memory_bytes = 0;  // largest device-local heap
     bool ray_pipeline = false, ray_query = false, shader_float64 = false;
     bool block_compression = false;  // images of the formats BC1 to BC7
+    bool raster = false;               // raster programs: the queue draws, dynamic rendering, lists of indirect draws
+    bool draw_indirect_count = false;  // their number can come from a buffer too
+    bool buffer_int64_atomics = false;  // shaderBufferInt64Atomics
     uint32_t subgroup_size = 0;
     bool subgroup_ballot = false;  // in compute shaders
     uint32_t shader_group_handle_size = 0, shader_group_handle_alignment = 0, shader_group_base_alignment = 0;
@@ -41,7 +44,9 @@ struct DeviceCaps {
 struct DeviceRequest {
     std::string selector;       // part of a name (any case) or an index; empty: PARHELION_DEVICE, else the best one
     bool validate = false;      // core and synchronisation validation; any message is counted and logged as an error
-    bool mask_ray_tracing = false;  // as if the device had no ray tracing extension at all; PARHELION_MASK masks them one by one, everywhere
+    // Instance extensions that a window library asks for; not empty: the device must be able to show pictures (gpu/swapchain.h).
+    std::vector<std::string> window_extensions = {};
+    bool mask_ray_tracing = false;  // as if the device had no ray tracing extension at all; PARHELION_MASK masks them one by one, everywhere, and rasterisation
 };
 
 // Handles of a host program. The device must have been made with the extensions and features listed by
@@ -54,6 +59,9 @@ struct BorrowedDevice {
     uint32_t queue_family = 0;
     bool enabled_ray_pipeline = false, enabled_ray_query = false;
     bool enabled_block_compression = false;  // the feature textureCompressionBC
+    bool enabled_raster = false;  // dynamicRendering, multiDrawIndirect and drawIndirectFirstInstance
+    bool enabled_draw_indirect_count = false;  // drawIndirectCount
+    bool enabled_buffer_int64_atomics = false;  // the feature shaderBufferInt64Atomics
     void* (*get_instance_proc_addr)(VkInstance, const char*) = nullptr;  // null: the system loader
 };
 // Names of the device extensions to enable when making a device for us to borrow; the optional ray tracing ones included

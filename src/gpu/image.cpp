@@ -29,6 +29,7 @@ constexpr FormatInfo kFormats[] = {
     {Format::Rgba32Float, "rgba32f", 16, VK_FORMAT_R32G32B32A32_SFLOAT},
     {Format::R32Uint, "r32ui", 4, VK_FORMAT_R32_UINT},
     {Format::Rgba32Uint, "rgba32ui", 16, VK_FORMAT_R32G32B32A32_UINT},
+    {Format::Depth32Float, "d32f", 4, VK_FORMAT_D32_SFLOAT},
     {Format::Bc1RgbUnorm, "bc1_rgb", 8, VK_FORMAT_BC1_RGB_UNORM_BLOCK},
     {Format::Bc1RgbSrgb, "bc1_rgb_srgb", 8, VK_FORMAT_BC1_RGB_SRGB_BLOCK},
     {Format::Bc1Unorm, "bc1", 8, VK_FORMAT_BC1_RGBA_UNORM_BLOCK},
@@ -79,7 +80,7 @@ VkImageView create_view(Device::Impl& device, VkImage image, const ImageDesc& de
     view_info.image = image;
     view_info.viewType = VK_IMAGE_VIEW_TYPE_2D;
     view_info.format = vk_format(desc.format);
-    view_info.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, mips, 0, 1};
+    view_info.subresourceRange = {image_aspect(desc.format), 0, mips, 0, 1};
     VkImageView view = nullptr;
     PARHELION_VK(device.name(), device.vk.vkCreateImageView(device.device, &view_info, nullptr, &view));
     return view;
@@ -113,6 +114,7 @@ uint64_t format_bytes(Format format, uint64_t width, uint64_t height) {
 }
 std::string_view format_name(Format format) { return info(format).name; }
 VkFormat vk_format(Format format) { return info(format).vulkan; }
+VkImageAspectFlags image_aspect(Format format) { return format == Format::Depth32Float ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT; }
 
 Image::Image(const DevicePtr& device, std::string name, const ImageDesc& desc) {
     Device::Impl& impl = device->impl();
@@ -121,6 +123,13 @@ Image::Image(const DevicePtr& device, std::string name, const ImageDesc& desc) {
     VkImageUsageFlags usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
     if (features & VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT) usage |= VK_IMAGE_USAGE_SAMPLED_BIT;
     if (features & VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT && desc.format != Format::Rgba8Srgb) usage |= VK_IMAGE_USAGE_STORAGE_BIT;
+    // What has mip levels is a texture and never drawn to.
+    VkImageUsageFlags attachment = 0;
+    if (impl.physical.caps.raster && desc.mip_count == 1) {
+        if (features & VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BIT) attachment = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
+        if (features & VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT) attachment = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
+    }
+    usage |= attachment;
     auto data = std::make_shared<Data>();
     data->device = device;
     data->name = std::move(name);
@@ -129,6 +138,7 @@ Image::Image(const DevicePtr& device, std::string name, const ImageDesc& desc) {
     create_image(impl, *data, usage);
     if (usage & VK_IMAGE_USAGE_SAMPLED_BIT) data->sampled = create_view(impl, data->handle, desc, desc.mip_count, VK_IMAGE_USAGE_SAMPLED_BIT);
     if (usage & VK_IMAGE_USAGE_STORAGE_BIT) data->storage = create_view(impl, data->handle, desc, 1, VK_IMAGE_USAGE_STORAGE_BIT);
+    if (attachment != 0) data->attachment = create_view(impl, data->handle, desc, 1, attachment);
     impl.set_name(VK_OBJECT_TYPE_IMAGE, data->handle, data->name);
     data_ = std::move(data);
 }
@@ -152,6 +162,7 @@ Image::Data::~Data() {
     Device::Impl& impl = device->impl();
     if (sampled) impl.vk.vkDestroyImageView(impl.device, sampled, nullptr);
     if (storage) impl.vk.vkDestroyImageView(impl.device, storage, nullptr);
+    if (attachment) impl.vk.vkDestroyImageView(impl.device, attachment, nullptr);
     if (!owned) return;
     if (handle) impl.vk.vkDestroyImage(impl.device, handle, nullptr);
     if (allocation.handle) {

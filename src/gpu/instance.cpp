@@ -90,7 +90,7 @@ PFN_vkGetInstanceProcAddr system_loader() {
     return loader;
 }
 
-std::shared_ptr<Instance> create_instance(bool validate) {
+std::shared_ptr<Instance> create_instance(bool validate, std::span<const std::string> more_extensions) {
     const PFN_vkGetInstanceProcAddr get = system_loader();
     if (!get) throw Error(ErrorCode::MissingFeature, "this machine has no Vulkan loader", "Vulkan", kNoLoaderHint);
     check_loader_version(get);
@@ -99,7 +99,13 @@ std::shared_ptr<Instance> create_instance(bool validate) {
 
     auto instance = std::make_shared<Instance>();
     std::vector<const char*> extensions, layers;
-    instance->debug_utils = contains(instance_extensions(get, nullptr), VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+    const std::vector<std::string> available = instance_extensions(get, nullptr);
+    instance->debug_utils = contains(available, VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+    for (const std::string& name : more_extensions) {
+        if (!contains(available, name))
+            throw Error(ErrorCode::MissingFeature, fmt::format("the Vulkan drivers of this machine lack {}, which windows need", escape_name(name)), "Vulkan", kNoLoaderHint);
+        extensions.push_back(name.c_str());
+    }
     if (instance->debug_utils) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
     if (validate) {
         layers.push_back(kValidationLayer);

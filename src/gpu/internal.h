@@ -29,7 +29,9 @@ namespace parhelion::gpu {
     X(vkDestroyInstance) X(vkEnumeratePhysicalDevices) X(vkEnumerateDeviceExtensionProperties) X(vkGetPhysicalDeviceProperties)   \
     X(vkGetPhysicalDeviceProperties2) X(vkGetPhysicalDeviceFeatures2) X(vkGetPhysicalDeviceMemoryProperties)                      \
     X(vkGetPhysicalDeviceMemoryProperties2) X(vkGetPhysicalDeviceQueueFamilyProperties) X(vkGetPhysicalDeviceFormatProperties2)   \
-    X(vkCreateDevice) X(vkGetDeviceProcAddr) X(vkCreateDebugUtilsMessengerEXT) X(vkDestroyDebugUtilsMessengerEXT)
+    X(vkCreateDevice) X(vkGetDeviceProcAddr) X(vkCreateDebugUtilsMessengerEXT) X(vkDestroyDebugUtilsMessengerEXT)                 \
+    X(vkDestroySurfaceKHR) X(vkGetPhysicalDeviceSurfaceSupportKHR) X(vkGetPhysicalDeviceSurfaceCapabilitiesKHR)                   \
+    X(vkGetPhysicalDeviceSurfaceFormatsKHR) X(vkGetPhysicalDeviceSurfacePresentModesKHR)
 
 // The first lines are core 1.3 and always there; the others are null where their extension is not enabled.
 #define PARHELION_DEVICE_FUNCTIONS(X)                                                                                             \
@@ -48,12 +50,15 @@ namespace parhelion::gpu {
     X(vkBeginCommandBuffer) X(vkEndCommandBuffer) X(vkCmdPipelineBarrier2) X(vkCmdBindPipeline) X(vkCmdBindDescriptorSets)        \
     X(vkCmdPushConstants) X(vkCmdDispatch) X(vkCmdDispatchIndirect) X(vkCmdCopyBuffer) X(vkCmdCopyBufferToImage)                  \
     X(vkCmdCopyImageToBuffer) X(vkCmdBlitImage) X(vkCmdFillBuffer) X(vkCmdResetQueryPool) X(vkCmdWriteTimestamp2)                 \
+    X(vkCreateGraphicsPipelines) X(vkCmdBeginRendering) X(vkCmdEndRendering) X(vkCmdSetViewport) X(vkCmdSetScissor)               \
+    X(vkCmdDraw) X(vkCmdDrawIndirect) X(vkCmdDrawIndirectCount)                                                                   \
     X(vkCmdPushDescriptorSetKHR)                                                                                                  \
     X(vkSetDebugUtilsObjectNameEXT) X(vkCmdBeginDebugUtilsLabelEXT) X(vkCmdEndDebugUtilsLabelEXT)                                 \
     X(vkCreateAccelerationStructureKHR) X(vkDestroyAccelerationStructureKHR) X(vkGetAccelerationStructureBuildSizesKHR)           \
     X(vkGetAccelerationStructureDeviceAddressKHR) X(vkCmdBuildAccelerationStructuresKHR) X(vkCreateRayTracingPipelinesKHR)        \
     X(vkGetRayTracingShaderGroupHandlesKHR) X(vkCmdTraceRaysKHR) X(vkCmdTraceRaysIndirectKHR)                                     \
-    X(vkCmdCopyAccelerationStructureKHR) X(vkCmdWriteAccelerationStructuresPropertiesKHR)
+    X(vkCmdCopyAccelerationStructureKHR) X(vkCmdWriteAccelerationStructuresPropertiesKHR)                                         \
+    X(vkCreateSwapchainKHR) X(vkDestroySwapchainKHR) X(vkGetSwapchainImagesKHR) X(vkAcquireNextImageKHR) X(vkQueuePresentKHR)
 
 #define PARHELION_FUNCTION_MEMBER(name) PFN_##name name = nullptr;
 struct InstanceFunctions {
@@ -86,8 +91,8 @@ struct Instance {
     std::vector<VkPhysicalDevice> physical_devices() const;
 };
 PFN_vkGetInstanceProcAddr system_loader();  // nullptr: no Vulkan loader on this machine
-// Throws Error MissingFeature without loader, driver or (validate) layers.
-std::shared_ptr<Instance> create_instance(bool validate);
+// Throws Error MissingFeature without loader, driver, (validate) layers or one of the extensions.
+std::shared_ptr<Instance> create_instance(bool validate, std::span<const std::string> more_extensions = {});
 std::shared_ptr<Instance> borrow_instance(VkInstance handle, PFN_vkGetInstanceProcAddr get);
 
 // Every feature structure that we look at, chained for a query or for vkCreateDevice.
@@ -118,7 +123,8 @@ struct PhysicalDevice {
     FeatureChain enabled;                 // not linked
     std::vector<std::string> extensions;  // to enable
 };
-PhysicalDevice inspect(const Instance& instance, VkPhysicalDevice handle, uint32_t index, bool mask_ray_tracing);
+// `windows`: it must be able to show pictures in windows.
+PhysicalDevice inspect(const Instance& instance, VkPhysicalDevice handle, uint32_t index, bool mask_ray_tracing, bool windows = false);
 void use_queue_family(const Instance& instance, uint32_t family, PhysicalDevice& out);
 // The device to open. Throws Usage for an unknown selector (`where` says who gave it), MissingFeature if none is usable.
 size_t choose(const std::vector<DeviceCaps>& devices, std::string_view selector, std::string_view where = "--device");
@@ -212,12 +218,14 @@ struct Image::Data {
     VkImage handle = nullptr;
     VkImageView sampled = nullptr;  // all mips; null for a borrowed image
     VkImageView storage = nullptr;  // mip 0; null where the format has no storage
+    VkImageView attachment = nullptr;  // null for a borrowed image, with mip levels, and where nothing can be drawn to the format
     Allocation allocation;
     bool owned = false;
     std::atomic<bool> initialised{false};  // its transition to GENERAL is recorded
     ~Data();
 };
 VkFormat vk_format(Format format);
+VkImageAspectFlags image_aspect(Format format);
 
 struct Sampler::Data {
     VkSampler handle = nullptr;
@@ -250,8 +258,9 @@ struct AccelSizes::Data {
 
 // Owned by the device's cache: holds no DevicePtr of its own, the handles given out do.
 struct Program::Data {
-    ShaderCode code;  // of the compute shader or raygen, without its words
-    bool ray_tracing = false, scene_set = false;
+    ShaderCode code;  // of the compute shader or raygen, of both raster shaders; without words
+    VkPipelineBindPoint point = VK_PIPELINE_BIND_POINT_COMPUTE;
+    bool scene_set = false;
     VkShaderStageFlags push_stages = 0;
     VkDescriptorSetLayout set1 = nullptr;
     VkPipelineLayout layout = nullptr;
@@ -283,10 +292,13 @@ struct CommandList::Impl {
     CommandSlot slot;  // own lists only
     bool own = false;
     const Program::Data* bound = nullptr;
+    Extent target;  // of what begin_rendering() began
     std::vector<std::shared_ptr<Image::Data>> first_layouts;  // undone if the list is never submitted
     ~Impl();
     const DeviceFunctions& vk() const { return device->impl().vk; }
+    const Program::Data& bound_program(VkPipelineBindPoint point) const;  // the one bound last, which must be of that sort
     void memory_barrier(VkPipelineStageFlags2 before, VkAccessFlags2 before_access, VkPipelineStageFlags2 after, VkAccessFlags2 after_access);
+    void blit(const Image& from, VkImage to, const Extent& extent, VkImageLayout layout);  // mip 0
 };
 
 struct StageAccess {

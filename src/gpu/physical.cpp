@@ -65,6 +65,9 @@ void pick_features(const FeatureChain& has, FeatureChain& enabled, std::vector<s
     PARHELION_WANT(v12, shaderBufferInt64Atomics);
     PARHELION_WANT(v12, vulkanMemoryModel);
     PARHELION_WANT(v12, vulkanMemoryModelDeviceScope);
+    PARHELION_WANT(core.features, multiDrawIndirect);
+    PARHELION_WANT(core.features, drawIndirectFirstInstance);
+    PARHELION_WANT(v12, drawIndirectCount);
     PARHELION_WANT(v13, dynamicRendering);
 #undef PARHELION_NEED
 #undef PARHELION_WANT
@@ -157,12 +160,12 @@ void note_basics(const Instance& instance, PhysicalDevice& out) {
     if (!pick_queue(instance, out)) caps.missing.emplace_back("a queue for compute");
 }
 
-// Ways to trace that devices are taken not to have.
+// What devices are taken not to have.
 struct Mask {
-    bool pipeline = false, query = false;
+    bool pipeline = false, query = false, raster = false, draw_count = false;
 };
 
-// PARHELION_MASK, a list of `pipeline` and `query`: for tests. Throws Error for another word.
+// PARHELION_MASK, a list of `pipeline`, `query`, `raster` and `draw_count`: for tests. Throws Error for another word.
 Mask mask_of_environment() {
     Mask mask;
     const char* environment = std::getenv("PARHELION_MASK");
@@ -171,7 +174,9 @@ Mask mask_of_environment() {
         rest.remove_prefix(std::min(rest.size(), word.size() + 1));
         if (word == "pipeline") mask.pipeline = true;
         else if (word == "query") mask.query = true;
-        else throw Error(ErrorCode::Usage, fmt::format("'{}' is no way to trace that can be masked", escape_name(word)), "PARHELION_MASK", "use pipeline, query or pipeline,query");
+        else if (word == "raster") mask.raster = true;
+        else if (word == "draw_count") mask.draw_count = true;
+        else throw Error(ErrorCode::Usage, fmt::format("'{}' cannot be masked", escape_name(word)), "PARHELION_MASK", "use some of pipeline,query,raster,draw_count");
     }
     return mask;
 }
@@ -229,7 +234,7 @@ std::vector<std::string> device_requirements() {
     return needed;
 }
 
-PhysicalDevice inspect(const Instance& instance, VkPhysicalDevice handle, uint32_t index, bool mask_ray_tracing) {
+PhysicalDevice inspect(const Instance& instance, VkPhysicalDevice handle, uint32_t index, bool mask_ray_tracing, bool windows) {
     PhysicalDevice out;
     out.handle = handle;
     out.caps.index = index;
@@ -243,7 +248,10 @@ PhysicalDevice inspect(const Instance& instance, VkPhysicalDevice handle, uint32
     const bool push = contains(available, VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME);
     if (push) out.extensions.emplace_back(VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME);
     else caps.missing.emplace_back(VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME);
-    const Mask mask = mask_ray_tracing ? Mask{true, true} : mask_of_environment();
+    if (windows && contains(available, VK_KHR_SWAPCHAIN_EXTENSION_NAME)) out.extensions.emplace_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+    else if (windows) caps.missing.emplace_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+    Mask mask = mask_of_environment();
+    if (mask_ray_tracing) mask.pipeline = mask.query = true;
     const bool accel = contains(available, VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME) && contains(available, VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME);
     FeatureChain has;
     has.link(accel && !mask.pipeline && contains(available, VK_KHR_RAY_TRACING_PIPELINE_EXTENSION_NAME),
@@ -252,6 +260,9 @@ PhysicalDevice inspect(const Instance& instance, VkPhysicalDevice handle, uint32
     pick_features(has, out.enabled, caps.missing);
     pick_ray_tracing(has, available, out);
     caps.block_compression = has.core.features.textureCompressionBC;
+    caps.raster = !mask.raster && out.queue_has_graphics && has.v13.dynamicRendering && has.core.features.multiDrawIndirect && has.core.features.drawIndirectFirstInstance;
+    caps.draw_indirect_count = !mask.draw_count && caps.raster && has.v12.drawIndirectCount;
+    caps.buffer_int64_atomics = has.v12.shaderBufferInt64Atomics;
     caps.shader_float64 = has.core.features.shaderFloat64;
     Properties properties(push, caps.ray_pipeline || caps.ray_query, caps.ray_pipeline);
     instance.vk.vkGetPhysicalDeviceProperties2(handle, &properties.core);

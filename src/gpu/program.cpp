@@ -3,7 +3,7 @@
 #include <cstring>
 
 #include "base/hash.h"
-#include "gpu/internal.h"
+#include "gpu/program_parts.h"
 
 namespace parhelion::gpu {
 
@@ -13,6 +13,8 @@ constexpr std::string_view kHitName = "scene/hit", kMissName = "scene/miss", kSh
 
 VkShaderStageFlagBits stage_bit(Stage stage) {
     switch (stage) {
+        case Stage::Vertex: return VK_SHADER_STAGE_VERTEX_BIT;
+        case Stage::Fragment: return VK_SHADER_STAGE_FRAGMENT_BIT;
         case Stage::Raygen: return VK_SHADER_STAGE_RAYGEN_BIT_KHR;
         case Stage::Miss: return VK_SHADER_STAGE_MISS_BIT_KHR;
         case Stage::ClosestHit: return VK_SHADER_STAGE_CLOSEST_HIT_BIT_KHR;
@@ -32,16 +34,20 @@ VkDescriptorType descriptor_type(BindingKind kind) {
     }
 }
 
-[[noreturn]] void fail(const ShaderCode& code, const std::string& what) {
+}  // namespace
+
+void fail(const ShaderCode& code, const std::string& what) {
     throw Error(ErrorCode::Failed, what, fmt::format("shader {}{}{}", code.name, code.variant.empty() ? "" : " ", code.variant));
 }
 
 const ShaderCode& require(const ShaderPack& pack, std::string_view name, std::string_view variant, Stage stage) {
     if (const ShaderCode* code = pack.find(name, variant, stage)) return *code;
-    constexpr std::string_view stages[] = {"compute", "raygen", "miss", "closest hit", "any hit"};
+    constexpr std::string_view stages[] = {"compute", "raygen", "miss", "closest hit", "any hit", "vertex", "fragment"};
     throw Error(ErrorCode::Failed, fmt::format("there is no {} shader '{}'{}", stages[static_cast<size_t>(stage)], name, variant.empty() ? "" : fmt::format(" in variant '{}'", variant)),
                 "shaders.pack", "build it again");
 }
+
+namespace {
 
 // What was optimised for GPUs (variant~), where there is such a thing and the device is one.
 const ShaderCode& compute_code(const ShaderPack& pack, std::string_view name, std::string_view variant, const DeviceCaps& caps) {
@@ -49,10 +55,12 @@ const ShaderCode& compute_code(const ShaderPack& pack, std::string_view name, st
     return optimized ? *optimized : require(pack, name, variant, Stage::Compute);
 }
 
-// Set 0 must be the scene set, set 1 must fit a push descriptor set, and there is no other.
+}  // namespace
+
 void check_bindings(const Device::Impl& device, const ShaderCode& code) {
     uint32_t pushed = 0;
     for (const ShaderBinding& b : code.bindings) {
+        if (b.kind == BindingKind::ColorOutput) continue;
         constexpr BindingKind scene_kinds[] = {BindingKind::Accel, BindingKind::Accel, BindingKind::StorageBuffer, BindingKind::TextureTable};
         if (b.set > 1) fail(code, fmt::format("'{}' lies in set {}; there are 0 (scene) and 1 (pass)", b.name, b.set));
         if (b.set == 0 && (b.binding > 3 || scene_kinds[b.binding] != b.kind)) fail(code, fmt::format("'{}' is no part of the scene's set 0", b.name));
@@ -89,28 +97,23 @@ void make_layouts(Device::Impl& device, Program::Data& data, VkShaderStageFlags 
     PARHELION_VK(device.name(), device.vk.vkCreatePipelineLayout(device.device, &info, nullptr, &data.layout));
 }
 
-// Lives as long as the pipeline is being made.
-struct Module {
-    Device::Impl& device;
-    VkShaderModule handle = nullptr;
-    Module(Device::Impl& owner, const ShaderCode& code) : device(owner) {
-        VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-        info.codeSize = code.words.size() * sizeof(uint32_t);
-        info.pCode = code.words.data();
-        PARHELION_VK(device.name(), device.vk.vkCreateShaderModule(device.device, &info, nullptr, &handle));
-    }
-    Module(const Module&) = delete;
-    Module& operator=(const Module&) = delete;
-    ~Module() { device.vk.vkDestroyShaderModule(device.device, handle, nullptr); }
-};
+ShaderModule::ShaderModule(Device::Impl& owner, const ShaderCode& code) : device(owner) {
+    VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+    info.codeSize = code.words.size() * sizeof(uint32_t);
+    info.pCode = code.words.data();
+    PARHELION_VK(device.name(), device.vk.vkCreateShaderModule(device.device, &info, nullptr, &handle));
+}
+ShaderModule::~ShaderModule() { device.vk.vkDestroyShaderModule(device.device, handle, nullptr); }
 
-VkPipelineShaderStageCreateInfo stage_info(const Module& module, Stage stage) {
+VkPipelineShaderStageCreateInfo stage_info(const ShaderModule& module, Stage stage) {
     VkPipelineShaderStageCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
     info.stage = stage_bit(stage);
     info.module = module.handle;
     info.pName = "main";
     return info;
 }
+
+namespace {
 
 void make_compute(Device::Impl& device, Program::Data& data, const ShaderCode& code, uint32_t constant) {
     const VkPhysicalDeviceLimits& limits = device.physical.limits;
@@ -119,7 +122,7 @@ void make_compute(Device::Impl& device, Program::Data& data, const ShaderCode& c
         fail(code, fmt::format("its work groups have {} invocations, this device takes {}", invocations, limits.maxComputeWorkGroupInvocations));
     data.push_stages = VK_SHADER_STAGE_COMPUTE_BIT;
     make_layouts(device, data, VK_SHADER_STAGE_COMPUTE_BIT);
-    const Module module(device, code);
+    const ShaderModule module(device, code);
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
     const VkSpecializationMapEntry entry{0, 0, sizeof(constant)};
     const VkSpecializationInfo constants{1, &entry, sizeof(constant), &constant};
@@ -157,10 +160,10 @@ void make_ray_tracing(Device::Impl& device, Program::Data& data, const RayStages
     for (const ShaderCode* code : stages.all())
         if (code != stages.raygen && code->push_bytes != 0) data.push_stages |= stage_bit(code->stage);
     make_layouts(device, data, VK_SHADER_STAGE_RAYGEN_BIT_KHR);
-    std::vector<std::unique_ptr<Module>> modules;
+    std::vector<std::unique_ptr<ShaderModule>> modules;
     std::vector<VkPipelineShaderStageCreateInfo> infos;
     for (const ShaderCode* code : stages.all()) {
-        modules.push_back(std::make_unique<Module>(device, *code));
+        modules.push_back(std::make_unique<ShaderModule>(device, *code));
         infos.push_back(stage_info(*modules.back(), code->stage));
     }
     std::vector<VkRayTracingShaderGroupCreateInfoKHR> groups(kGroupCount);
@@ -213,7 +216,7 @@ std::shared_ptr<Program::Data> make_program(Device::Impl& device, const RayStage
     const auto data = std::make_shared<Program::Data>();
     data->code = *stages.raygen;
     data->code.words.clear();
-    data->ray_tracing = ray_tracing;
+    data->point = ray_tracing ? VK_PIPELINE_BIND_POINT_RAY_TRACING_KHR : VK_PIPELINE_BIND_POINT_COMPUTE;
     try {
         for (const ShaderCode* code : stages.all()) {
             if (!code) continue;
@@ -248,15 +251,23 @@ Program Program::get(const DevicePtr& device, const ShaderPack& pack, std::strin
     if (ray_tracing) add_scene_stages(pack, variant, stages);
     for (const ShaderCode* code : stages.all()) hash.add(code ? code->hash : 0);
     if (stages.raygen->has_constant) hash.add(constant);
-    const std::pair key(hash.value(), fmt::format("{}\n{}\n{}", name, variant, ray_tracing));
+    Program out;
+    out.data_ = keep_program(device, {hash.value(), fmt::format("{}\n{}\n{}", name, variant, ray_tracing)},
+                             [&] { return make_program(device->impl(), stages, ray_tracing, constant); });
+    return out;
+}
+
+std::shared_ptr<Program::Data> keep_program(const DevicePtr& device, const std::pair<uint64_t, std::string>& key,
+                                            const std::function<std::shared_ptr<Program::Data>()>& make) {
     Device::Impl& impl = device->impl();
+    using Data = Program::Data;
     std::shared_ptr<Data> data;
     {
         const std::lock_guard lock(impl.mutex);
         if (const auto found = impl.programs.find(key); found != impl.programs.end()) data = found->second;
     }
     if (!data) {
-        data = make_program(impl, stages, ray_tracing, constant);
+        data = make();
         std::unique_lock lock(impl.mutex);
         const auto [kept, is_new] = impl.programs.emplace(key, data);
         lock.unlock();
@@ -268,9 +279,7 @@ Program Program::get(const DevicePtr& device, const ShaderPack& pack, std::strin
         std::shared_ptr<Data> data;
     };
     const auto hold = std::make_shared<Hold>(Hold{device, std::move(data)});
-    Program out;
-    out.data_ = {hold, hold->data.get()};
-    return out;
+    return {hold, hold->data.get()};
 }
 
 const ShaderCode& Program::code() const { return data_->code; }

@@ -9,11 +9,14 @@
 #include <vector>
 
 #include "gpu/device.h"
+#include "gpu/resources.h"
 
 namespace parhelion::gpu {
 
-enum class Stage : uint32_t { Compute, Raygen, Miss, ClosestHit, AnyHit };
-enum class BindingKind : uint32_t { StorageBuffer, StorageImage, SampledImage, UniformBuffer, Accel, TextureTable };
+enum class Stage : uint32_t { Compute, Raygen, Miss, ClosestHit, AnyHit, Vertex, Fragment };
+// ColorOutput: what a fragment shader writes, in set kOutputSet; its binding is the location.
+enum class BindingKind : uint32_t { StorageBuffer, StorageImage, SampledImage, UniformBuffer, Accel, TextureTable, ColorOutput };
+constexpr uint32_t kOutputSet = 2;
 
 // One resource that a shader declares, by its GLSL instance name.
 struct ShaderBinding {
@@ -66,6 +69,23 @@ private:
     std::vector<ShaderCode> shaders_;
 };
 
+// How triangles of a raster program meet the attachments. Depth is reversed: 1 is near, 0 infinitely far.
+enum class Cull : uint32_t { None, Back };  // front: corners run counter-clockwise on the picture
+enum class Blend : uint32_t { None, Alpha, Premultiplied };  // over what is there; alpha: straight, and its coverage is added up
+enum class DepthTest : uint32_t { None, Nearer };
+struct RasterState {
+    Cull cull = Cull::None;
+    Blend blend = Blend::None;
+    DepthTest depth_test = DepthTest::None;
+    bool depth_write = true;  // where there is a test
+    friend auto operator<=>(const RasterState&, const RasterState&) = default;
+};
+// Formats of the attachments: of the colour outputs by location, and of the depth buffer (Undefined: none).
+struct RasterTarget {
+    std::vector<Format> colors;
+    Format depth = Format::Undefined;
+};
+
 // A pipeline with its layout. Compute: one shader. Ray tracing: raygen of that name plus the scene's miss, shadow miss, closest
 // hit and any hit ("scene/hit"), in the raygen's variant where they are declared in it, else plain; recursion depth 1, its shader
 // binding table aligned by the stricter of the device's and 64 bytes (gpu/shader_table.h).
@@ -78,8 +98,16 @@ public:
     // compute shaders that declare it.
     static Program get(const DevicePtr& device, const ShaderPack& pack, std::string_view name, std::string_view variant, bool ray_tracing, uint32_t constant = 0);
 
+    // Vertex and fragment shader of that name, which draw triangle lists without vertex input: vertices are read by address. The vertex
+    // shader is the plain one where there is none in the variant. Viewport and scissor are set by the command list. Their code is that of both:
+    // all bindings, addresses, and the colour outputs, which must be as many as the target has. They only read.
+    static Program get_raster(const DevicePtr& device, const ShaderPack& pack, std::string_view name, std::string_view variant, const RasterState& state,
+                              const RasterTarget& target);
+    // What the two shaders declare, without words.
+    static ShaderCode raster_code(const ShaderPack& pack, std::string_view name, std::string_view variant);
+
     explicit operator bool() const { return data_ != nullptr; }
-    const ShaderCode& code() const;  // of the compute shader or raygen
+    const ShaderCode& code() const;  // of the compute shader or raygen, of vertex and fragment shader together
     bool uses_scene_set() const;     // declares anything in set 0
     const std::shared_ptr<Data>& data() const { return data_; }
 

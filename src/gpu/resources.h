@@ -12,7 +12,7 @@
 namespace parhelion::gpu {
 
 enum class Format : uint32_t {
-    Undefined, R8Unorm, Rg8Unorm, Rgba8Unorm, Rgba8Srgb, R16Float, Rg16Float, Rgba16Float, R32Float, Rg32Float, Rgba32Float, R32Uint, Rgba32Uint,
+    Undefined, R8Unorm, Rg8Unorm, Rgba8Unorm, Rgba8Srgb, R16Float, Rg16Float, Rgba16Float, R32Float, Rg32Float, Rgba32Float, R32Uint, Rgba32Uint, Depth32Float,
     // Blocks of 4 x 4 texels, sampled only; on devices with DeviceCaps::block_compression.
     Bc1RgbUnorm, Bc1RgbSrgb, Bc1Unorm, Bc1Srgb, Bc3Unorm, Bc3Srgb, Bc4Unorm, Bc5Unorm, Bc7Unorm, Bc7Srgb,
 };
@@ -37,6 +37,8 @@ enum class Use : uint32_t {
     TraceRead, TraceWrite, TraceReadWrite,        // the same in ray tracing shaders
     ComputeSample, TraceSample,                   // sampled image
     ComputeAccel, TraceAccel,                     // acceleration structure read by a ray query / by traceRayEXT
+    RasterRead, RasterSample,                     // by address or binding, as an image, in vertex and fragment shaders
+    ColorAttachment, DepthAttachment,             // read and written
     IndirectRead, TransferRead, TransferWrite,
     BuildInput,                                   // geometry or instances read by an acceleration structure build
     BuildWrite, BuildRead, BuildScratch,          // acceleration structure written, read (TLAS over BLAS, compaction), scratch

@@ -21,6 +21,7 @@ void Device::Impl::make_scene_layout() {
     VkShaderStageFlags stages = VK_SHADER_STAGE_COMPUTE_BIT;
     if (physical.caps.ray_pipeline)
         stages |= VK_SHADER_STAGE_RAYGEN_BIT_KHR | VK_SHADER_STAGE_MISS_BIT_KHR | VK_SHADER_STAGE_CLOSEST_HIT_BIT_KHR | VK_SHADER_STAGE_ANY_HIT_BIT_KHR;
+    if (physical.caps.raster) stages |= VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
     std::vector<VkDescriptorSetLayoutBinding> bindings;
     std::vector<VkDescriptorBindingFlags> flags;
     const auto add = [&](uint32_t binding, VkDescriptorType type, uint32_t count, VkDescriptorBindingFlags extra) {

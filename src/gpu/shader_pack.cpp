@@ -74,7 +74,7 @@ ShaderBinding read_binding(Reader& in) {
     out.name = in.text();
     out.set = in.u32();
     out.binding = in.u32();
-    out.kind = static_cast<BindingKind>(in.u32_below(static_cast<uint32_t>(BindingKind::TextureTable) + 1, "binding kind"));
+    out.kind = static_cast<BindingKind>(in.u32_below(static_cast<uint32_t>(BindingKind::ColorOutput) + 1, "binding kind"));
     out.reads = in.flag();
     out.writes = in.flag();
     out.format = in.u32();
@@ -98,7 +98,7 @@ ShaderCode read_shader(Reader& in) {
     ShaderCode out;
     out.name = in.text();
     out.variant = in.text();
-    out.stage = static_cast<Stage>(in.u32_below(static_cast<uint32_t>(Stage::AnyHit) + 1, "stage"));
+    out.stage = static_cast<Stage>(in.u32_below(static_cast<uint32_t>(Stage::Fragment) + 1, "stage"));
     for (uint32_t& size : out.local_size) size = in.u32();
     out.push_bytes = in.u32();
     for (uint32_t n = in.count(28); n > 0; --n) out.bindings.push_back(read_binding(in));

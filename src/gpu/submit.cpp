@@ -1,8 +1,10 @@
 // Submission on the device's one queue. A timeline semaphore counts submissions; command pools are used again when theirs is done.
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "gpu/internal.h"
+#include "gpu/swapchain_data.h"
 
 namespace parhelion::gpu {
 
@@ -45,7 +47,7 @@ CommandSlot Device::Impl::take_slot() {
     return slot;
 }
 
-Ticket submit(const DevicePtr& device, CommandList&& commands) {
+Ticket submit(const DevicePtr& device, CommandList&& commands, Swapchain* window) {
     Device::Impl& impl = device->impl();
     CommandList::Impl& list = commands.impl();
     PARHELION_CHECK(list.own, "a command list of the host program is submitted by the host program");
@@ -57,20 +59,25 @@ Ticket submit(const DevicePtr& device, CommandList&& commands) {
     const Ticket ticket = impl.submitted + 1;
     VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
     buffer.commandBuffer = list.buffer;
-    VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO};
-    signal.semaphore = impl.timeline;
-    signal.value = ticket;
-    signal.stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    VkSemaphoreSubmitInfo signals[2]{}, wait{};
+    signals[0].sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO;
+    signals[0].semaphore = impl.timeline;
+    signals[0].value = ticket;
+    signals[0].stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    if (window) std::tie(wait, signals[1]) = window->impl().semaphores();
     VkSubmitInfo2 info{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
     info.commandBufferInfoCount = 1;
     info.pCommandBufferInfos = &buffer;
-    info.signalSemaphoreInfoCount = 1;
-    info.pSignalSemaphoreInfos = &signal;
+    info.waitSemaphoreInfoCount = window ? 1 : 0;
+    info.pWaitSemaphoreInfos = &wait;
+    info.signalSemaphoreInfoCount = window ? 2 : 1;
+    info.pSignalSemaphoreInfos = signals;
     PARHELION_VK(impl.name(), impl.vk.vkQueueSubmit2(impl.queue, 1, &info, nullptr));
     impl.submitted = ticket;
     impl.busy_slots.emplace_back(ticket, list.slot);
     list.slot = {};
     list.first_layouts.clear();
+    if (window) window->impl().show(ticket);
     return ticket;
 }
 

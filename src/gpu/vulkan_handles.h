@@ -8,3 +8,4 @@ typedef struct VkQueue_T* VkQueue;
 typedef struct VkCommandBuffer_T* VkCommandBuffer;
 typedef struct VkImage_T* VkImage;          // 64-bit platforms
 typedef struct VkImageView_T* VkImageView;  // 64-bit platforms
+typedef struct VkSurfaceKHR_T* VkSurfaceKHR;  // 64-bit platforms

@@ -29,7 +29,7 @@ uint64_t Renderer::record(VkCommandBuffer commands, View& view, const gpu::Image
     if (progress_.drawable) add_samples(view);
     else view.prepare(frame_);
     const passes::Film& film = view.film();
-    const gpu::Image hdr = passes::resolve(frame_, film.sums, film.block, film.width, film.height, std::max<uint64_t>(done.samples, 1));
+    const gpu::Image hdr = passes::resolve(frame_, film.sums, film.block, film.width, film.height, {.samples = done.samples});
     passes::tonemap(frame_, hdr, ldr, 1.0f / (1.2f * std::exp2(options_.exposure_ev100)), options_.curve);
     gpu::CommandList list(device_, commands);
     return frame_.record(list);

@@ -18,15 +18,13 @@ uint64_t sum(const std::array<uint64_t, shared::kClassCount>& counts) {
     return total;
 }
 
-// Long enough that a slot seldom comes to a pixel whose last visit is not yet in the film: that takes a round and a long path.
-uint32_t visit_length(const passes::WavefrontShape& shape, uint64_t pixels) {
-    constexpr uint64_t kLongPath = 8, kShortPath = 2;
-    const uint64_t between = shape.slots * (shape.round_length + kLongPath);
-    return static_cast<uint32_t>(std::clamp<uint64_t>((between + pixels * kShortPath - 1) / (pixels * kShortPath), 1, shared::kSamplesPerBlock));
-}
-
 bool splits_light(const View& view) {
     return std::ranges::any_of(view.channels(), [](const std::string& channel) { return channel.starts_with("path."); });
+}
+
+bool keeps_first_hits(const View& view) {
+    constexpr std::string_view kOfFirstHits[] = {"albedo", "normal", "emission", "roughness"};
+    return std::ranges::any_of(view.channels(), [&](const std::string& channel) { return std::ranges::any_of(kOfFirstHits, [&](auto name) { return channel.starts_with(name); }); });
 }
 
 }  // namespace
@@ -44,13 +42,15 @@ Wavefront::Wavefront(gpu::DevicePtr device, const WavefrontOptions& options) : d
 }
 
 passes::WavefrontShape Wavefront::shape(const SceneGpu& scene, const View& view) const {
-    const uint64_t pixels = uint64_t{view.film().width} * view.film().height;
     const bool layers = (scene.features() & shared::kSceneLayers) != 0, cones = view.desc().texture_lod == TextureLod::Cone;
-    passes::WavefrontShape shape{.slots = static_cast<uint32_t>(std::min<uint64_t>(options_.slots, pixels)),
+    const uint64_t paths = slice_paths(view);
+    passes::WavefrontShape shape{.slots = static_cast<uint32_t>(std::min<uint64_t>(options_.slots, paths)),
                                  .classes = options_.classes,
                                  .indirect = options_.dispatch == WavefrontDispatch::Indirect,
                                  .extra = layers || cones,
-                                 .split = splits_light(view)};
+                                 .split = splits_light(view),
+                                 .firsts = keeps_first_hits(view),
+                                 .paths = paths};
     if (options_.connect == ConnectWhen::EachBounce) return shape;
     const uint64_t one = passes::state_bytes(shape);
     shape.round_length = 2;
@@ -60,10 +60,15 @@ passes::WavefrontShape Wavefront::shape(const SceneGpu& scene, const View& view)
     return shape;
 }
 
+uint64_t Wavefront::slice_paths(const View& view) const {
+    const uint64_t row = view.film().width, pixels = row * view.film().height;
+    const uint64_t one = passes::sample_bytes({.split = splits_light(view), .firsts = keeps_first_hits(view)});
+    return std::clamp(options_.sample_bytes / one, row, pixels * shared::kSamplesPerBlock);
+}
+
 void Wavefront::allocate(const SceneGpu& scene, const View& view) {
     const passes::WavefrontShape wanted = shape(scene, view);
-    const uint64_t pixels = uint64_t{view.film().width} * view.film().height;
-    if (!state_.control || state_.shape != wanted || state_.finished.bytes() != pixels * sizeof(uint32_t)) state_ = passes::make_wavefront_state(device_, wanted, pixels);
+    if (!state_.control || state_.shape != wanted) state_ = passes::make_wavefront_state(device_, wanted);
 }
 
 void Wavefront::start(const shared::Slice& slice) {
@@ -72,17 +77,14 @@ void Wavefront::start(const shared::Slice& slice) {
     begun_ = false;
 }
 
-void Wavefront::begin(Frame& frame, const passes::Film& film) {
-    shared::WavefrontControl control{.slice = *slice_,
-                                     .pixel_count = film.width * slice_->row_count,
-                                     .slot_count = state_.shape.slots,
-                                     .shadow_capacity = options_.shadow_capacity != 0 ? options_.shadow_capacity : state_.shape.slots * state_.shape.round_length,
-                                     .split = state_.shape.split,
-                                     .visit = visit_length(state_.shape, uint64_t{film.width} * slice_->row_count)};
-    paths_ = uint64_t{control.pixel_count} * slice_->sample_count;
-    PARHELION_CHECK(paths_ < 1ull << 31, "a slice of {} paths", paths_);
-    frame.upload(state_.control, 0, std::as_bytes(std::span(&control, 1)));
-    passes::begin_wavefront(frame, state_);
+void Wavefront::begin(const passes::WavefrontPass& pass) {
+    const shared::WavefrontControl control{.slice = *slice_,
+                                           .pixel_count = pixels_,
+                                           .slot_count = pass.slots,
+                                           .shadow_capacity = options_.shadow_capacity != 0 ? options_.shadow_capacity : pass.slots * state_.shape.round_length,
+                                           .split = state_.shape.split};
+    pass.frame.upload(state_.control, 0, std::as_bytes(std::span(&control, 1)));
+    passes::begin_wavefront(pass);
     begun_ = true;
 }
 
@@ -109,14 +111,18 @@ void Wavefront::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, V
     if (!begun_) {
         begin_slice(frame, scene, way, view, *slice_);
         allocate(scene, view);
+        pixels_ = view.film().width * slice_->row_count;
+        paths_ = uint64_t{pixels_} * slice_->sample_count;
+        PARHELION_CHECK(paths_ <= state_.shape.paths, "a slice of {} paths, beyond {}", paths_, state_.shape.paths);
     }
     const passes::WavefrontPass pass{.frame = frame,
                                      .scene = scene,
                                      .way = way,
                                      .film = view.film(),
                                      .state = state_,
-                                     .ray_cones = view.desc().texture_lod == TextureLod::Cone};
-    if (!begun_) begin(frame, view.film());
+                                     .ray_cones = view.desc().texture_lod == TextureLod::Cone,
+                                     .slots = slots_in_use()};
+    if (!begun_) begin(pass);
     const uint32_t rounds = std::clamp(rounds_per_frame, 1u, std::max(1u, kMaxIterations / state_.shape.round_length));
     for (uint32_t i = 0; i < rounds; ++i) record_round(pass);
     control_copy_ = frame.read_back(state_.control);
@@ -149,12 +155,14 @@ bool Wavefront::advance(double seconds, double target_seconds) {
             stats_.shadows[bounce][c] += control.shadows[bounce][c];
         }
     stats_.iterations += control.iterations;
-    stats_.slot_iterations += uint64_t{control.iterations} * state_.shape.slots;
-    stats_.slots = state_.shape.slots;
+    stats_.slot_iterations += uint64_t{control.iterations} * slots_in_use();
+    stats_.slots = slots_in_use();
     stats_.round_length = state_.shape.round_length;
     stats_.state_bytes = passes::state_bytes(state_.shape);
     slice_.reset();
     return true;
 }
+
+void Wavefront::finish(Frame& frame, const View& view) { passes::deposit(frame, state_, view.film(), pixels_); }
 
 }  // namespace parhelion

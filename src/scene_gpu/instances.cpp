@@ -168,6 +168,7 @@ void SceneGpu::State::place_instances() {
     next = {};
     if (uses_hardware()) place_driver_top(drawn, drawn_mesh);
     if (options.own_bvh) place_own_top(drawn, drawn_mesh);
+    if (options.raster) place_drawn(drawn, drawn_mesh);
 }
 
 void SceneGpu::State::place_driver_top(std::span<const uint32_t> drawn, std::span<MeshOnDevice* const> drawn_mesh) {

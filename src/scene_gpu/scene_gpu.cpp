@@ -27,6 +27,11 @@ const SceneBinding& SceneGpu::binding() const {
     return state_->binding;
 }
 
+const DrawnGeometries& SceneGpu::drawn() const {
+    PARHELION_CHECK(state_->drawn_now.table, "SceneGpu has no table of what is drawn: it was made without SceneGpuOptions::raster, or shows nothing yet");
+    return state_->drawn_now;
+}
+
 void SceneGpu::sync(const Scene& scene) {
     state_->begin_anew();
     state_->scene = &scene;

@@ -2,6 +2,7 @@
 // The scene on the device: buffers, textures, acceleration structures and light tables, and the passes that keep them current.
 // What a scene needs comes in slices: each update() records a bounded amount of work, and what was there before is drawn until
 // all of the new is there.
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "frame/frame.h"
 #include "gpu/device_class.h"
 #include "scene/scene.h"
+#include "shared/raster.h"
 
 namespace parhelion {
 
@@ -21,6 +23,7 @@ struct SceneGpuOptions {
     float infinite_share = 0.5f;   // share of light samples for environment and directional lights where others exist too; in (0, 1), or one of them is lost
     bool hardware = true;          // build the driver's acceleration structures (pipeline, query), where the device has them
     bool own_bvh = true;           // build our own (compute)
+    bool raster = false;           // keep the table of what raster passes draw (SceneGpu::drawn)
     NodeLayout node_layout = NodeLayout::Auto;
     BvhLoop bvh_loop = BvhLoop::Auto;
     bool compact = true;           // give back what the driver's bottom levels do not need
@@ -48,6 +51,13 @@ struct SceneProgress {
     double done = 0, total = 1;  // work, in bytes of uploads and their like
 };
 
+// What raster passes draw: one row (shared::DrawnGeometry) a geometry of an instance, kind by kind. Rows in between fill up.
+struct DrawnGeometries {
+    gpu::Buffer table;
+    std::array<uint32_t, shared::kRasterKindCount + 1> begin{};  // first rows of the kinds, and the end; multiples of kRasterGroup
+    std::array<uint32_t, shared::kRasterKindCount> count{};      // rows that draw
+};
+
 class SceneGpu {
 public:
     // Copies nothing yet: call sync() and then update() in a frame.
@@ -71,6 +81,7 @@ public:
 
     // Set 0 for the passes of this frame. Valid once update() has said `drawable`.
     const SceneBinding& binding() const;
+    const DrawnGeometries& drawn() const;  // of the same scene, with SceneGpuOptions::raster; what its table names lies in binding()
     // Grows whenever binding() begins to show another scene: samples of different versions do not belong into one film.
     uint64_t version() const;
     const SceneGpuStats& stats() const;

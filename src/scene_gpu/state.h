@@ -203,6 +203,8 @@ struct SceneGpu::State {
     uint32_t tlas_count = 0;
     bvh::MovingTop own_top;  // stays as it is until its tables are up
     TopLevel next, now, before;
+    // drawn.cpp
+    DrawnGeometries drawn_next, drawn_now;
     // tables.cpp
     std::vector<RowSource> tables;
     uint64_t table_rows_done = 0;
@@ -261,6 +263,7 @@ struct SceneGpu::State {
     std::vector<MeshOnDevice*> note_drawn(std::span<const uint32_t> drawn);
     void place_driver_top(std::span<const uint32_t> drawn, std::span<MeshOnDevice* const> drawn_mesh);
     void place_own_top(std::span<const uint32_t> drawn, std::span<MeshOnDevice* const> drawn_mesh);
+    void place_drawn(std::span<const uint32_t> drawn, std::span<MeshOnDevice* const> drawn_mesh);
     void place_emitters();   // the top of the light table
 
     // Step 3.

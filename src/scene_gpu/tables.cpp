@@ -44,6 +44,7 @@ void SceneGpu::State::publish(Frame& frame) {
     has_no_past = false;
     now = std::move(next);
     next = {};
+    drawn_now = std::move(drawn_next);
     published += tables_advance ? 1 : 0;
     version += tables_edited ? 1 : 0;
     unsettled |= tables_edited;

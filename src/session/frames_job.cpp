@@ -5,7 +5,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/log.h"
-#include "renderers/reference.h"
+#include "image/tonemap.h"
 #include "scene/load.h"
 #include "session/film_state.h"
 #include "session/job_base.h"
@@ -51,6 +51,7 @@ private:
 
     const FramePlay& play_;
     std::optional<PlayedCamera> played_camera_;
+    std::optional<Realtime> realtime_;  // where it is what draws
     RayCounts rays_, film_rays_;  // of all frames; of those that the film holds
     uint64_t pictures_ = 0;
 };
@@ -69,6 +70,11 @@ void FramesJob::begin() {
     report_.finished_end = report_.resumed_at = first_counted();
     report_.frame_samples = realtime() ? 1 : options_.samples.end;
     report_.play = PlayReport{.play = play_, .frames = {}};
+    if (realtime()) {
+        RealtimeOptions settings = realtime_options(settings_);
+        settings.exposure = static_cast<float>(image::exposure_scale_from_ev100(report_.exposure_ev));
+        realtime_.emplace(device_, *view_, settings);
+    }
     played_camera_.emplace(loaded_.scene, options_, camera_.opens);
 }
 
@@ -102,8 +108,8 @@ bool FramesJob::move_to(uint64_t frame) {
 bool FramesJob::draw(uint64_t frame) {
     const IndexRange samples = samples_of(frame);
     if (realtime()) {
-        const shared::Slice slice{0, options_.size.height, static_cast<uint32_t>(frame), 1};
-        record_reference(*frame_, *scene_gpu_, way_, *view_, slice, false);
+        realtime_->set_frame_index(static_cast<uint32_t>(frame));
+        realtime_->record(*frame_, *scene_gpu_, way_, *view_, false);
         run_frame();
         return true;
     }

@@ -11,7 +11,7 @@
 #include "session/metering.h"
 #include "session/progress.h"
 #include "session/scene_setup.h"
-#include "session/trace_choice.h"
+#include "session/view_setup.h"
 
 namespace parhelion {
 
@@ -47,7 +47,10 @@ void JobBase::prepare() {
     set_up();
 }
 
-void JobBase::check_way(bool pipeline) const { check_reference({.texture_lod = settings_.texture_lod, .shade_in = settings_.shade_in}, pipeline); }
+void JobBase::check_way(bool pipeline) const {
+    if (options_.renderer == RendererKind::Realtime) check_realtime(settings_);
+    check_reference({.texture_lod = settings_.texture_lod, .shade_in = settings_.shade_in}, pipeline);
+}
 
 // Adds the GPU times of the frame that has just been completed.
 void JobBase::add_times() {
@@ -75,10 +78,9 @@ void JobBase::load() {
 
 void JobBase::open_device() {
     if (!device_) device_ = gpu::Device::open({.selector = options_.device, .validate = options_.validate});
-    const TraceDecision decision = decide_trace(device_->caps(), options_.trace, settings_.node_layout);
-    way_ = decision.way;
-    node_layout_ = decision.layout;
-    report_.trace_source = decision.source;
+    trace_ = decide_trace(device_->caps(), options_.trace, settings_.node_layout);
+    way_ = trace_.way;
+    report_.trace_source = trace_.source;
     check_way(way_ == gpu::TraceWay::Pipeline);
     report_.device = device_->caps().name;
     report_.driver = device_->caps().driver;
@@ -88,40 +90,13 @@ void JobBase::open_device() {
     log(LogLevel::Info, "device {} ({}), traces by {}", escape_name(report_.device), escape_name(report_.driver), report_.trace);
 }
 
-ViewDesc JobBase::describe_view() const {
-    const float aspect = static_cast<float>(options_.size.width) / static_cast<float>(options_.size.height);
-    return {.width = options_.size.width,
-            .height = options_.size.height,
-            .camera = shader_camera(camera_.opens, aspect),
-            .camera_at_close = camera_.closes ? std::optional(shader_camera(*camera_.closes, aspect)) : std::nullopt,
-            .seed = options_.seed,
-            .max_bounces = options_.max_bounces == 0 ? 0xFFFFFFFFu : options_.max_bounces,
-            .sampler = settings_.sampler,
-            .filter = options_.point_filter ? PixelFilter::Point : PixelFilter::Box,
-            .roulette_start = settings_.roulette_start,
-            .light_sampling = static_cast<uint32_t>(settings_.light_sampling),
-            .texture_lod = settings_.texture_lod,
-            .shade_in = settings_.shade_in,
-            .energy_compensation = settings_.energy_compensation == Switch::On,
-            .normal_correction = settings_.normal_correction == Switch::On,
-            .spawn_offset = settings_.spawn_offset,
-            .firefly_clamp = settings_.firefly_clamp,
-            .aovs = options_.aovs};
-}
-
 void JobBase::set_up() {
     const auto begin = Clock::now();
     frame_ = std::make_unique<Frame>(device_);
-    const bool hardware = way_ != gpu::TraceWay::Compute;
-    scene_gpu_ = std::make_unique<SceneGpu>(device_, SceneGpuOptions{.culling = settings_.culling == Culling::Gltf,
-                                                                     .infinite_share = settings_.infinite_share,
-                                                                     .hardware = hardware,
-                                                                     .own_bvh = !hardware,
-                                                                     .node_layout = node_layout_,
-                                                                     .bvh_loop = settings_.bvh_loop});
+    scene_gpu_ = std::make_unique<SceneGpu>(device_, describe_scene_gpu(settings_, trace_));
     scene_gpu_->sync(loaded_.scene);
     if (!bring_in_scene(true)) return;
-    const ViewDesc desc = describe_view();
+    const ViewDesc desc = describe_view(options_, settings_, camera_);
     view_ = std::make_unique<View>(device_, desc);
     view_->prepare(*frame_);
     frame_->run();
@@ -162,7 +137,7 @@ Slicer JobBase::make_slicer(IndexRange samples) const {
     if (!wavefront_) return {options_.size, samples};
     // Its frames are short however long a slice is; but at the end of each the machine runs empty.
     constexpr double kSliceSeconds = 1.0;
-    return {options_.size, samples, kSliceSeconds, kPathsPerSlot * wavefront_->slots()};
+    return {options_.size, samples, kSliceSeconds, kPathsPerSlot * wavefront_->slots(), wavefront_->slice_paths(*view_)};
 }
 
 void JobBase::run_frame() {
@@ -186,6 +161,7 @@ void JobBase::draw(const shared::Slice& slice, bool ends_range) {
         run_frame();
         finished = wavefront_->advance(seconds_since(begin));
     }
+    wavefront_->finish(*frame_, *view_);
     end_slice(*frame_, *view_, slice, ends_range);
     run_frame();
 }

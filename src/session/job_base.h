@@ -13,6 +13,7 @@
 #include "session/job.h"
 #include "session/render_settings.h"
 #include "session/slicer.h"
+#include "session/trace_choice.h"
 
 namespace parhelion {
 
@@ -32,7 +33,6 @@ protected:
     void check_way(bool pipeline) const;
     // Runs frames until the scene is on the device as it was at the last sync, but for the last of them. False: interrupted.
     bool bring_in_scene(bool shown);
-    ViewDesc describe_view() const;
 
     // For so many samples of the path tracer that the options name.
     Slicer make_slicer(IndexRange samples) const;
@@ -52,7 +52,7 @@ protected:
     LoadedScene loaded_;
     MovingCamera camera_;
     gpu::TraceWay way_ = gpu::TraceWay::Compute;
-    NodeLayout node_layout_ = NodeLayout::Auto;
+    TraceDecision trace_;
     std::unique_ptr<SceneGpu> scene_gpu_;
     std::unique_ptr<Frame> frame_;
     std::unique_ptr<View> view_;

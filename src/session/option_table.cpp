@@ -5,6 +5,8 @@ namespace parhelion {
 namespace {
 
 constexpr uint32_t kRender = command_bit(Command::Render);
+constexpr uint32_t kView = command_bit(Command::View);
+constexpr uint32_t kDraw = kRender | kView;
 constexpr uint32_t kCompare = command_bit(Command::Compare);
 constexpr uint32_t kMerge = command_bit(Command::Merge);
 constexpr uint32_t kDevices = command_bit(Command::Devices);
@@ -13,7 +15,7 @@ constexpr uint32_t kExport = command_bit(Command::Export);
 constexpr uint32_t kBench = command_bit(Command::Bench);
 constexpr uint32_t kSettings = command_bit(Command::Settings);
 constexpr uint32_t kHelp = command_bit(Command::Help);
-constexpr uint32_t kTakesScene = kRender | kInfo | kExport;
+constexpr uint32_t kTakesScene = kDraw | kInfo | kExport;
 
 constexpr std::string_view kUseSpp = "use --spp N: a path tracer adds samples to one picture";
 constexpr std::string_view kUseFrames = "use --frames N: the realtime renderer makes frames";
@@ -25,14 +27,16 @@ constexpr uint32_t kLength = 1, kViewpoint = 2;  // exclusive groups
 // clang-format off
 const OptionSpec kOptions[] = {
     // The picture
-    {.name = "--renderer", .section = "Picture", .commands = kRender, .kind = ValueKind::Choice, .value = "NAME", .fallback = "reference",
-     .help = "how light is computed", .choices = "reference|wavefront|realtime", .absent_choices = "realtime"},
-    {.name = "--size", .section = "Picture", .commands = kRender, .kind = ValueKind::Size, .value = "WxH", .fallback = "1280x720",
+    {.name = "--renderer", .section = "Picture", .commands = kDraw, .kind = ValueKind::Choice, .value = "NAME", .fallback = "reference",
+     .help = "how light is computed", .choices = "reference|wavefront|realtime"},
+    {.name = "--size", .section = "Picture", .commands = kDraw, .kind = ValueKind::Size, .value = "WxH", .fallback = "1280x720",
      .help = "width and height of the picture in pixels"},
-    {.name = "--seed", .section = "Picture", .commands = kRender, .kind = ValueKind::Integer, .value = "S", .fallback = "0",
+    {.name = "--seed", .section = "Picture", .commands = kDraw, .kind = ValueKind::Integer, .value = "S", .fallback = "0",
      .help = "another seed gives another, equally good, pattern of noise", .max = 4294967295.0},
     {.name = "--spp", .section = "Picture", .commands = kRender, .kind = ValueKind::Integer, .value = "N", .fallback = "64",
      .help = "samples per pixel", .min = 1, .max = 1 << 30, .renderers = kPathTracers, .instead = kUseFrames, .exclusive = kLength},
+    {.name = "--spp", .section = "Picture", .commands = kView, .kind = ValueKind::Integer, .value = "N",
+     .help = "samples per pixel after which a picture is finished (default: none, it gets better and better)", .min = 1, .max = 1 << 30},
     {.name = "--spp-range", .section = "Picture", .commands = kRender, .kind = ValueKind::Range, .value = "A-B",
      .help = "only the samples A <= index < B (multiples of 64): writes a part for `parhelion merge`", .bits = kNotInPreset,
      .renderers = kPathTracers, .instead = kUseFrames, .exclusive = kLength},
@@ -40,13 +44,14 @@ const OptionSpec kOptions[] = {
      .help = "number of frames, or a range of them, for --out NAME.####.exr (realtime: also for its last one alone; default 64)"},
     {.name = "--time-budget", .section = "Picture", .commands = kRender, .kind = ValueKind::Duration, .value = "TIME",
      .help = "stop after this time (30s, 5m, 1h) and write what is finished", .bits = kNotInPreset},
-    {.name = "--max-bounces", .section = "Picture", .commands = kRender, .kind = ValueKind::Integer, .value = "N", .fallback = "16",
+    {.name = "--max-bounces", .section = "Picture", .commands = kDraw, .kind = ValueKind::Integer, .value = "N", .fallback = "16",
      .help = "how often a path may scatter: 1 is direct light only, 0 is unlimited", .max = 65535},
-    {.name = "--pixel-filter", .section = "Picture", .commands = kRender, .kind = ValueKind::Choice, .value = "NAME", .fallback = "box",
-     .help = "box: rays spread over the pixel; point: all through its centre", .choices = "box|point"},
-    {.name = "--exposure", .section = "Picture", .commands = kRender, .kind = ValueKind::Number, .value = "EV|scene", .fallback = "scene",
+    {.name = "--pixel-filter", .section = "Picture", .commands = kDraw, .kind = ValueKind::Choice, .value = "NAME", .fallback = "box",
+     .help = "box: rays spread over the pixel; point: all through its centre", .choices = "box|point", .renderers = kPathTracers,
+     .instead = "leave it out: the realtime renderer looks through the centres of pixels"},
+    {.name = "--exposure", .section = "Picture", .commands = kDraw, .kind = ValueKind::Number, .value = "EV|scene", .fallback = "scene",
      .help = "EV100 of the PNG; scene: metered by a small probe, printed and recorded", .choices = "scene", .min = -32, .max = 32},
-    {.name = "--tonemap", .section = "Picture", .commands = kRender | kMerge, .kind = ValueKind::Choice, .value = "NAME", .fallback = "agx",
+    {.name = "--tonemap", .section = "Picture", .commands = kDraw | kMerge, .kind = ValueKind::Choice, .value = "NAME", .fallback = "agx",
      .help = "tone curve of the PNG", .choices = "agx|aces|linear"},
     {.name = "--denoise", .section = "Picture", .commands = kRender, .kind = ValueKind::Choice, .value = "NAME", .fallback = "none",
      .help = "remove noise from the finished picture", .choices = "none|builtin|oidn", .absent_choices = "builtin|oidn"},
@@ -59,21 +64,21 @@ const OptionSpec kOptions[] = {
      .help = "frames before the first that --average counts (default 64)", .max = 1 << 20, .renderers = kRealtime, .instead = kUseSpp},
 
     // Camera and time
-    {.name = "--camera", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Text, .value = "NAME|INDEX",
+    {.name = "--camera", .section = "Camera and time", .commands = kDraw, .kind = ValueKind::Text, .value = "NAME|INDEX",
      .help = "a camera of the scene (default: its first; without any, one that frames the scene)", .exclusive = kViewpoint},
-    {.name = "--look-from", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Vector, .value = "x,y,z",
+    {.name = "--look-from", .section = "Camera and time", .commands = kDraw, .kind = ValueKind::Vector, .value = "x,y,z",
      .help = "a camera of your own: its position in metres", .exclusive = kViewpoint},
-    {.name = "--look-at", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Vector, .value = "x,y,z",
+    {.name = "--look-at", .section = "Camera and time", .commands = kDraw, .kind = ValueKind::Vector, .value = "x,y,z",
      .help = "the point that --look-from looks at (default: the middle of the scene)"},
-    {.name = "--fov", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "DEG",
+    {.name = "--fov", .section = "Camera and time", .commands = kDraw, .kind = ValueKind::Number, .value = "DEG",
      .help = "vertical field of view in degrees", .min = 0.1, .max = 175},
     {.name = "--fps", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "F",
      .help = "frames per second of the scene's clock; 0, the default, holds time", .min = 0, .max = 1e6},
-    {.name = "--camera-path", .section = "Camera and time", .commands = kRender, .kind = ValueKind::File, .value = "F.json",
+    {.name = "--camera-path", .section = "Camera and time", .commands = kDraw, .kind = ValueKind::File, .value = "F.json",
      .help = "a camera that moves along the keys of a file (docs/camera.md); --time says where on it", .exclusive = kViewpoint},
-    {.name = "--aperture-radius", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "METRES",
+    {.name = "--aperture-radius", .section = "Camera and time", .commands = kDraw, .kind = ValueKind::Number, .value = "METRES",
      .fallback = "0", .help = "radius of a thin lens: what lies before or behind its focus blurs; 0 is a pinhole", .max = 1e3},
-    {.name = "--focus-distance", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "METRES",
+    {.name = "--focus-distance", .section = "Camera and time", .commands = kDraw, .kind = ValueKind::Number, .value = "METRES",
      .help = "depth at which the lens is sharp (default: of what lies in the picture's middle)", .min = 1e-6, .max = 1e9},
     {.name = "--shutter", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "SECONDS", .fallback = "0",
      .help = "how long the shutter stays open from --time on: the camera moves meanwhile, objects stand still", .max = 1e6,
@@ -82,7 +87,7 @@ const OptionSpec kOptions[] = {
     // Scene
     {.name = "--time", .section = "Scene", .commands = kTakesScene, .kind = ValueKind::Number, .value = "T", .fallback = "0",
      .help = "seconds on the scene's clock: where its animations stand", .min = 0, .max = 1e6},
-    {.name = "--animation", .section = "Scene", .commands = kRender | kInfo, .kind = ValueKind::Text, .value = "NAME|INDEX",
+    {.name = "--animation", .section = "Scene", .commands = kDraw | kInfo, .kind = ValueKind::Text, .value = "NAME|INDEX",
      .help = "the animation of a glTF file to play (default: all that do not move the same things, the first winning)"},
     {.name = "--animate", .section = "Scene", .commands = kTakesScene, .kind = ValueKind::Text, .value = "NAME",
      .help = "the scripted edit of a built-in scene to play (`parhelion info` lists them)"},
@@ -94,22 +99,29 @@ const OptionSpec kOptions[] = {
      .help = "let the scene read files outside its own folder"},
 
     // Light
-    {.name = "--env", .section = "Light", .commands = kRender, .kind = ValueKind::File, .value = "F.hdr|sky",
+    {.name = "--env", .section = "Light", .commands = kDraw, .kind = ValueKind::File, .value = "F.hdr|sky",
      .help = "light from an equirectangular picture (.hdr, .exr) in nits, or from a clear sky with its sun (sky.* of --set)"},
-    {.name = "--env-intensity", .section = "Light", .commands = kRender, .kind = ValueKind::Number, .value = "X", .fallback = "1",
+    {.name = "--env-intensity", .section = "Light", .commands = kDraw, .kind = ValueKind::Number, .value = "X", .fallback = "1",
      .help = "factor on the environment's light", .min = 0, .max = 1e9},
-    {.name = "--env-rotation", .section = "Light", .commands = kRender, .kind = ValueKind::Number, .value = "DEG", .fallback = "0",
+    {.name = "--env-rotation", .section = "Light", .commands = kDraw, .kind = ValueKind::Number, .value = "DEG", .fallback = "0",
      .help = "turns the environment about the vertical", .min = -36000, .max = 36000},
-    {.name = "--no-default-light", .section = "Light", .commands = kRender, .help = "keep a scene without any light black"},
+    {.name = "--no-default-light", .section = "Light", .commands = kDraw, .help = "keep a scene without any light black"},
 
     // Output
     {.name = "--out", .section = "Output", .commands = kRender | kMerge, .kind = ValueKind::File, .value = "F.exr|F.png",
      .help = "where the picture goes; give it again for a second format", .bits = kRepeats | kNotInPreset},
     {.name = "--out", .section = "Output", .commands = kExport, .kind = ValueKind::File, .value = "F.glb|F.gltf",
      .help = "where the scene goes; F.gltf brings F.bin and its images, named F-..., along", .bits = kNotInPreset},
-    {.name = "--exr-type", .section = "Output", .commands = kRender | kMerge, .kind = ValueKind::Choice, .value = "TYPE",
+    {.name = "--out", .section = "Output", .commands = kView, .kind = ValueKind::File, .value = "F.exr|F.png",
+     .help = "where the key P writes the picture; give it again for a second format (default: SCENE-1.png, SCENE-2.png, ... here)",
+     .bits = kRepeats | kNotInPreset},
+    {.name = "--exr-type", .section = "Output", .commands = kDraw | kMerge, .kind = ValueKind::Choice, .value = "TYPE",
      .fallback = "half",
      .help = "numbers in the EXR", .choices = "half|float"},
+    {.name = "--aov", .section = "Picture", .commands = kView, .kind = ValueKind::List, .value = "NAME",
+     .help = "show a layer instead of the picture",
+     .choices = "albedo|normal|emission|roughness|path.emission|path.direct_diffuse|path.direct_specular|path.indirect_diffuse|"
+                "path.indirect_specular|path.transmission"},
     {.name = "--aov", .section = "Output", .commands = kRender, .kind = ValueKind::List, .value = "LIST",
      .help = "further layers of the EXR, separated by commas; path.* stands for all of a group",
      .choices = "albedo|normal|emission|roughness|depth|ids|motion|variance|path.emission|path.direct_diffuse|path.direct_specular|"
@@ -130,16 +142,25 @@ const OptionSpec kOptions[] = {
      .help = "print the passes of the frame with reads, writes and GPU times, and what the wavefront did bounce by bounce",
      .bits = kNotInPreset},
 
+    // Window
+    {.name = "--present", .section = "Window", .commands = kView, .kind = ValueKind::Choice, .value = "MODE", .fallback = "fifo",
+     .help = "fifo waits for the display, so that nothing tears; mailbox draws as fast as it can", .choices = "fifo|mailbox"},
+    {.name = "--script", .section = "Window", .commands = kView, .kind = ValueKind::Text, .value = "STEP,STEP,...",
+     .help = "do this by itself, then close: spp=N and frames=N wait, size=WxH, renderer=NAME, layer=NAME, camera=NAME, orbit=DEG, "
+             "set=KEY=VALUE, "
+             "reload, save",
+     .bits = kNotInPreset},
+
     // Device and settings
-    {.name = "--trace", .section = "Device and settings", .commands = kRender, .kind = ValueKind::Choice, .value = "WAY",
+    {.name = "--trace", .section = "Device and settings", .commands = kDraw, .kind = ValueKind::Choice, .value = "WAY",
      .fallback = "auto",
      .help = "how rays are traced: ray tracing pipeline, ray queries, or our own BVH", .choices = "auto|pipeline|query|compute"},
-    {.name = "--device", .section = "Device and settings", .commands = kRender | kBench, .kind = ValueKind::Text, .value = "NAME|INDEX",
+    {.name = "--device", .section = "Device and settings", .commands = kDraw | kBench, .kind = ValueKind::Text, .value = "NAME|INDEX",
      .help = "a device of `parhelion devices` (default: the best)", .environment = "PARHELION_DEVICE"},
-    {.name = "--validate", .section = "Device and settings", .commands = kRender,
+    {.name = "--validate", .section = "Device and settings", .commands = kDraw,
      .help = "run under the Vulkan validation layers; a message is a failure",
      .bits = kNotInPreset},
-    {.name = "--set", .section = "Device and settings", .commands = kRender | kBench, .kind = ValueKind::Assignment,
+    {.name = "--set", .section = "Device and settings", .commands = kDraw | kBench, .kind = ValueKind::Assignment,
      .value = "group.field=value",
      .help = "change one of the settings that `parhelion settings` lists", .bits = kRepeats},
     {.name = "--preset", .section = "Device and settings", .commands = kRender, .kind = ValueKind::File, .value = "F.json",
@@ -200,6 +221,11 @@ const CommandSpec kCommands[] = {
       "parhelion render builtin:diorama --animate robot --frames 120 --fps 30 --spp 64 --out robot.####.png",
       "parhelion render scene.glb --spp 4096 --checkpoint a.state --resume --out a.exr",
       "parhelion render builtin:cornell --set sampler.kind=pcg --out a.exr"}},
+    {Command::View, "view", "SCENE", 1, 1, "look at a scene in a window",
+     "The program parhelion-view, which `parhelion view` starts. The scene comes in while the window already reacts; the picture gets better while "
+     "nothing moves. F1 shows the keys. SCENE and the options are those of render where they make sense.",
+     {"parhelion view builtin:diorama", "parhelion view scene.glb --env sky.hdr --renderer wavefront",
+      "parhelion view builtin:cornell --script spp=16,save --out cornell.png"}},
     {Command::Compare, "compare", "TEST REFERENCE", 2, 2, "measure how far a picture is from its reference",
      "Prints mean ratio, MSE, relative MSE, PSNR, SSIM and FLIP of TEST against REFERENCE. Both are exposed with the exposure "
      "recorded in the reference, or metered from it if it records none. F.####.exr stands for a numbered sequence, compared frame by "
@@ -229,7 +255,7 @@ const CommandSpec kCommands[] = {
     {Command::Bench, "bench", "[SUITE]", 0, 1, "measure speed: scenes x renderers x ways to trace",
      "SUITE is quick (default), full, replay (which share of a pass its rays alone take), reference (the path tracer on large "
      "scenes, shading in raygen and in closest-hit shaders), wavefront (that with 8 bounces beside the wavefront in each of its forms, with its occupancy and "
-     "which share of Extend's and Connect's time their rays alone take), or trace (millions of primary, diffuse and shadow rays a second by each way to "
+     "which share of Extend's and Connect's time their rays alone take), realtime (passes of the realtime renderer while the camera turns; --spp: frames), or trace (millions of primary, diffuse and shadow rays a second by each way to "
      "trace when a pass does nothing else, in rooms of 10,368, 249,600 and 1,997,568 triangles as one mesh and as instances: room-s, room-m, "
      "room-l, room-s-instanced, ...). Prints a table, and JSON with --json. "
      "Compare numbers of one device only.",
@@ -258,7 +284,7 @@ constexpr NamedHelp kEnvironment[] = {
     {"PARHELION_LOG", "trace, debug, info (default), warn, error or off"},
     {"PARHELION_CACHE_DIR", "folder of the pipeline caches and of what devices --measure found (default: the user's cache folder)"},
     {"NO_COLOR", "no colours on the terminal"},
-    {"PARHELION_MASK", "for tests: ways to trace that devices are taken not to have: pipeline, query or pipeline,query"},
+    {"PARHELION_MASK", "for tests: what devices are taken not to have, a list: pipeline and query (ways to trace), raster, draw_count (draws of a counted length)"},
     {"PARHELION_SHADER_DIR", "for tests: a folder with a shaders.pack that replaces the embedded one"},
 };
 

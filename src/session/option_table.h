@@ -9,7 +9,7 @@
 
 namespace parhelion {
 
-enum class Command : uint32_t { Render, Compare, Merge, Devices, Info, Export, Bench, Settings, Help };
+enum class Command : uint32_t { Render, View, Compare, Merge, Devices, Info, Export, Bench, Settings, Help };
 
 struct CommandSpec {
     Command id;

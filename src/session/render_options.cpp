@@ -86,7 +86,6 @@ void read_view(const OptionValues& values, RenderOptions& options) {
     if (options.look_from && options.look_from == options.look_at)
         throw Error(ErrorCode::Usage, "it is the same point as --look-from", values.where("--look-at"), "choose two different points");
     if (values.given("--camera-path")) options.camera_path = values.text("--camera-path");
-    options.shutter_seconds = parse_float(values.text("--shutter"), "--shutter");
     options.aperture_radius = parse_float(values.text("--aperture-radius"), "--aperture-radius");
     options.focus_distance = read_optional_number(values, "--focus-distance");
     if (options.focus_distance && options.aperture_radius == 0)
@@ -176,21 +175,45 @@ LoadOptions read_load_options(const OptionValues& values) {
     return load;
 }
 
-RenderOptions read_render_options(const OptionValues& values) {
+namespace {
+
+// What a picture and a window have in common.
+RenderOptions read_picture(const OptionValues& values) {
     RenderOptions options;
     if (!values.positionals.empty()) options.scene = values.positionals.front();
     options.load = read_load_options(values);
     options.renderer = read_choice<RendererKind>(values, "--renderer");
     options.size = parse_size(values.text("--size"), "--size");
     options.seed = read_uint(values, "--seed");
-    read_length(values, options);
-    read_play(values, options);
     options.max_bounces = read_uint(values, "--max-bounces");
     options.point_filter = values.text("--pixel-filter") == "point";
     if (values.text("--exposure") != "scene") options.exposure_ev = parse_float(values.text("--exposure"), "--exposure");
     read_view(values, options);
 
     options.output = read_output_options(values);
+    options.trace = read_choice<TraceChoice>(values, "--trace");
+    if (values.given("--device")) options.device = values.text("--device");
+    options.validate = values.flag("--validate");
+    options.assignments = values.texts("--set");
+    return options;
+}
+
+}  // namespace
+
+RenderOptions read_view_options(const OptionValues& values) {
+    RenderOptions options = read_picture(values);
+    options.samples = {0, values.given("--spp") ? read_uint(values, "--spp") : 1u << 30};
+    if (values.given("--aov"))
+        options.aovs = expand_list(*find_option(values.command(), "--aov"), values.text("--aov"), values.where("--aov"));
+    if (options.aovs.size() > 1) throw Error(ErrorCode::Usage, "a window shows one layer", values.where("--aov"), "choose one; the panel has them all");
+    return options;
+}
+
+RenderOptions read_render_options(const OptionValues& values) {
+    RenderOptions options = read_picture(values);
+    read_length(values, options);
+    read_play(values, options);
+    options.shutter_seconds = parse_float(values.text("--shutter"), "--shutter");
     if (values.given("--aov"))
         options.aovs = expand_list(*find_option(values.command(), "--aov"), values.text("--aov"), values.where("--aov"));
     if (values.given("--checkpoint")) options.checkpoint = values.text("--checkpoint");
@@ -198,11 +221,6 @@ RenderOptions read_render_options(const OptionValues& values) {
     options.resume = values.flag("--resume");
     if (values.given("--json")) options.json = values.text("--json");
     options.list_frame = values.flag("--list-frame");
-
-    options.trace = read_choice<TraceChoice>(values, "--trace");
-    if (values.given("--device")) options.device = values.text("--device");
-    options.validate = values.flag("--validate");
-    options.assignments = values.texts("--set");
     options.print_settings = values.flag("--print-settings");
     check_outputs(values, options);
     return options;

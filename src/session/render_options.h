@@ -75,6 +75,8 @@ struct RenderOptions {
 
 // Values that passed check_options. Throws a usage Error where they do not fit each other.
 RenderOptions read_render_options(const OptionValues& values);
+// Of `parhelion view`: the samples end where a picture is finished.
+RenderOptions read_view_options(const OptionValues& values);
 OutputOptions read_output_options(const OptionValues& values);
 LoadOptions read_load_options(const OptionValues& values);  // of every command that takes a scene
 // "a.####.exr" stands for a file a frame: a run of '#' for its number with at least as many digits.

@@ -1,6 +1,9 @@
 #pragma once
 // The settings of `--set group.field=value`: what a picture depends on and seldom needs an option of its own.
+#include "base/error.h"
 #include "base/settings.h"
+#include "renderers/cache_options.h"
+#include "renderers/realtime.h"
 #include "renderers/view.h"
 #include "renderers/wavefront.h"
 #include "scene/sky.h"
@@ -30,7 +33,25 @@ struct RenderSettings {
     WavefrontDispatch wavefront_dispatch = WavefrontDispatch::Indirect;
     Switch wavefront_classes = Switch::On;
     uint32_t wavefront_memory_mb = 512;
+    RealtimeReuse realtime_reuse = RealtimeReuse::None;
+    GBufferMode gbuffer_mode = GBufferMode::Auto;
+    Switch realtime_cache = Switch::On, realtime_tiles = Switch::On;
+    uint32_t realtime_candidates = 8, realtime_path_bounces = 3;
+    CacheOptions cache;
 };
+
+template <class V>
+void visit_cache(V&& v, CacheOptions& s) {
+    v.field("cache.cells", s.cells, range(LightCache::kLeastCells, LightCache::kMostCells), "cells that the world cache has room for, 40 bytes each; made a power of two");
+    v.field("cache.life", s.life, range(1, shared::kCacheMostLife), "frames that a cell lives on after the camera's paths asked for it");
+    v.field("cache.budget", s.budget, range(1, LightCache::kMostCells), "cells that a frame updates, at most a sixth of cache.cells");
+    v.field("cache.samples", s.samples, range(1, shared::kCacheMostSamples), "samples that a cell's running mean is worth at most");
+    v.field("cache.candidates", s.candidates, range(1, 64), "light samples that a cell's one shadow ray is chosen among");
+    v.field("cache.cell_scale", s.cell_scale, range(0.01, 4), "size of a cell over the width of the path's cone there");
+    v.field("cache.cell_pixels", s.cell_pixels, range(1, 256), "least size of a cell, in pixels of the camera that looks there");
+    v.field("cache.jitter", s.jitter, range(0, 1), "how far look-ups are moved along the surface, in cells: blends neighbours");
+    v.field("cache.change_frames", s.change_frames, range(0, 256), "frames after a change of the lights in which cells forget fast");
+}
 
 template <class V>
 void visit(V&& v, RenderSettings& s) {
@@ -65,7 +86,14 @@ void visit(V&& v, RenderSettings& s) {
             "work sizes from the GPU, or every kernel over all slots (document 003)");
     v.field("wavefront.classes", s.wavefront_classes, choices({"off", "on"}),
             "one kernel of Shade for all materials, or one for each class of them");
-    v.field("wavefront.memory_mb", s.wavefront_memory_mb, range(1, 1 << 20), "most that what waits for wavefront.connect=once may take");
+    v.field("wavefront.memory_mb", s.wavefront_memory_mb, range(1, 1 << 20), "most that what waits for wavefront.connect=once may take, and as much for finished samples");
+    v.field("realtime.reuse", s.realtime_reuse, choices({"full", "none", "unbiased"}), "reservoirs that share samples between pixels and frames; only none so far: each pixel's light is its own");
+    v.field("gbuffer.mode", s.gbuffer_mode, choices({"auto", "raster", "trace"}), "what the realtime renderer finds the triangles under pixels with; auto: the faster one for devices of this class");
+    v.field("realtime.cache", s.realtime_cache, choices({"off", "on"}), "paths end in the world cache, or go to their full depth (--max-bounces)");
+    v.field("realtime.tiles", s.realtime_tiles, choices({"off", "on"}), "the first surface's light is chosen among candidates out of light tiles, or sampled as by the reference");
+    v.field("realtime.candidates", s.realtime_candidates, range(1, 64), "light samples that the first surface's one is chosen from");
+    v.field("realtime.path_bounces", s.realtime_path_bounces, range(1, 64), "scatterings after which a path ends in the cache whatever it meets");
+    visit_cache(v, s.cache);
     v.field("sky.sun_elevation", s.sun_elevation, range(-18, 90), "degrees of the clear sky's sun above the horizon");
     v.field("sky.sun_azimuth", s.sun_azimuth, range(-360, 360), "degrees of the clear sky's sun from +Z towards +X");
 }
@@ -75,7 +103,25 @@ inline WavefrontOptions wavefront_options(const RenderSettings& s) {
             .connect = s.wavefront_connect,
             .dispatch = s.wavefront_dispatch,
             .classes = s.wavefront_classes == Switch::On,
-            .memory_bytes = uint64_t{s.wavefront_memory_mb} << 20};
+            .memory_bytes = uint64_t{s.wavefront_memory_mb} << 20,
+            .sample_bytes = uint64_t{s.wavefront_memory_mb} << 20};
+}
+
+// Throws a usage Error for what the realtime renderer cannot do.
+inline void check_realtime(const RenderSettings& s) {
+    if (s.realtime_reuse != RealtimeReuse::None)
+        throw Error(ErrorCode::Usage, "reservoirs are not in this version", "realtime.reuse", "use realtime.reuse=none");
+    if (s.texture_lod != TextureLod::Full || s.shade_in != ShadeIn::Raygen)
+        throw Error(ErrorCode::Usage, "the realtime renderer reads textures at full resolution, and shades where it traces", "--renderer realtime", "leave texture.lod and reference.shade_in as they are");
+}
+
+inline RealtimeOptions realtime_options(const RenderSettings& s) {
+    return {.gbuffer = s.gbuffer_mode,
+            .candidates = s.realtime_candidates,
+            .tiles = s.realtime_tiles == Switch::On,
+            .cache = s.realtime_cache == Switch::On,
+            .path_bounces = s.realtime_path_bounces,
+            .cache_options = s.cache};
 }
 
 inline SkyOptions sky_options(const RenderSettings& s) {

@@ -6,15 +6,15 @@
 namespace parhelion {
 
 namespace {
-constexpr double kMostWork = 1 << 30;  // shaders count a slice's pixel-samples with 32 bits
 constexpr double kMaxGrowth = 4;  // of a slice from one to the next: a quick first slice proves little
 }
 
-Slicer::Slicer(Size2 size, IndexRange samples, double target_seconds, uint64_t first_slice_work)
+Slicer::Slicer(Size2 size, IndexRange samples, double target_seconds, uint64_t first_slice_work, uint64_t most_work)
     : size_(size),
       samples_(samples),
       target_seconds_(target_seconds),
-      budget_(static_cast<double>(first_slice_work)),
+      most_work_(static_cast<double>(most_work)),
+      budget_(static_cast<double>(std::min(first_slice_work, most_work))),
       sample_(samples.begin),
       pass_begin_(samples.begin),
       total_work_(double(size.width) * size.height * double(samples.end - samples.begin)) {}
@@ -41,7 +41,7 @@ void Slicer::measured(const shared::Slice& slice, double seconds) {
     const double work = double(size_.width) * slice.row_count * slice.sample_count;
     const double wanted = work * target_seconds_ / std::max(seconds, 1e-6);
     budget_ = std::clamp(wanted, budget_ / kMaxGrowth, work * kMaxGrowth);
-    budget_ = std::clamp(budget_, double(size_.width), kMostWork);
+    budget_ = std::clamp(budget_, double(size_.width), std::max(most_work_, double(size_.width)));
 }
 
 std::vector<uint64_t> Slicer::samples_of_rows() const {

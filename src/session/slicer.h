@@ -12,8 +12,11 @@ namespace parhelion {
 
 class Slicer {
 public:
+    static constexpr uint64_t kMostWork = 1u << 30;  // shaders count a slice's pixel-samples with 32 bits
+
     // `first_slice_work` is the size of the first slice in pixel-samples; the following ones grow or shrink to `target_seconds`.
-    Slicer(Size2 size, IndexRange samples, double target_seconds = 0.06, uint64_t first_slice_work = 1u << 15);
+    // None is larger than `most_work`, but for one sample of one row.
+    Slicer(Size2 size, IndexRange samples, double target_seconds = 0.06, uint64_t first_slice_work = 1u << 15, uint64_t most_work = kMostWork);
 
     // The next slice, none when all is done. Samples go up; all rows of some samples come before the next samples.
     std::optional<shared::Slice> next();
@@ -25,13 +28,14 @@ public:
     std::vector<uint64_t> samples_of_rows() const;
     // Rows of the running samples are missing, and these samples end a block: rows would differ in their number of blocks.
     bool inside_block_end() const;
+    uint64_t budget() const { return static_cast<uint64_t>(budget_); }  // pixel-samples of the next slice
     double done_work() const { return done_work_; }  // pixel-samples
     double total_work() const { return total_work_; }
 
 private:
     Size2 size_;
     IndexRange samples_;
-    double target_seconds_;
+    double target_seconds_, most_work_;
     double budget_;                 // pixel-samples of a slice
     uint64_t sample_, pass_begin_;  // end and begin of the samples that rows are now given
     uint32_t row_ = 0;              // next row of them; 0: none is running

@@ -215,7 +215,8 @@ TEST_F(GpuDevices, a_borrowed_device_works_and_stays_the_hosts) {
         instance = host.instance;
         host.make_image(16);
         const DeviceCaps& caps = device()->caps();
-        BorrowedDevice handles{host.instance->handle, host.physical, host.device, host.queue, host.family, caps.ray_pipeline, caps.ray_query, caps.block_compression, nullptr};
+        BorrowedDevice handles{host.instance->handle, host.physical, host.device, host.queue, host.family, caps.ray_pipeline, caps.ray_query, caps.block_compression,
+                               caps.raster, caps.draw_indirect_count, caps.buffer_int64_atomics, nullptr};
         handles.get_instance_proc_addr = reinterpret_cast<void* (*)(VkInstance, const char*)>(host.instance->vk.vkGetInstanceProcAddr);
         {
             const DevicePtr borrowed = Device::borrow(handles);

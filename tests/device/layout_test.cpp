@@ -12,7 +12,7 @@ namespace {
 
 class Layout : public GpuTest {};
 
-constexpr const char* kHeaders[] = {"bvh.h", "hit.h", "reference.h", "scene.h", "view.h", "sampler.h", "wavefront.h"};
+constexpr const char* kHeaders[] = {"bvh.h", "cache.h", "hit.h", "raster.h", "realtime.h", "reference.h", "sampler.h", "scene.h", "view.h", "wavefront.h"};
 
 // struct name -> text between its braces, of all shared headers.
 std::map<std::string, std::string> shared_structs() {
@@ -71,7 +71,9 @@ TEST_F(Layout, structs_have_the_same_size_on_both_sides) {
         {"ViewData", sizeof(shared::ViewData)}, {"Slice", sizeof(shared::Slice)}, {"DumpedRay", sizeof(shared::DumpedRay)}, {"BvhNode", sizeof(shared::BvhNode)}, {"BvhNodeBinary", sizeof(shared::BvhNodeBinary)}, {"BvhNodeCompact", sizeof(shared::BvhNodeCompact)}, {"BvhTriangle", sizeof(shared::BvhTriangle)},
         {"BvhTopItem", sizeof(shared::BvhTopItem)}, {"BvhAddresses", sizeof(shared::BvhAddresses)}, {"TraversalRay", sizeof(shared::TraversalRay)}, {"TraversalHit", sizeof(shared::TraversalHit)},
         {"WavefrontRay", sizeof(shared::WavefrontRay)}, {"WavefrontHit", sizeof(shared::WavefrontHit)}, {"WavefrontPath", sizeof(shared::WavefrontPath)}, {"WavefrontExtra", sizeof(shared::WavefrontExtra)}, {"WavefrontSlot", sizeof(shared::WavefrontSlot)}, {"WavefrontVertex", sizeof(shared::WavefrontVertex)},
-        {"WavefrontShadowRay", sizeof(shared::WavefrontShadowRay)}, {"WavefrontSplit", sizeof(shared::WavefrontSplit)}, {"WavefrontClassSums", sizeof(shared::WavefrontClassSums)}, {"WavefrontControl", sizeof(shared::WavefrontControl)}, {"WavefrontSize", sizeof(shared::WavefrontSize)}};
+        {"WavefrontShadowRay", sizeof(shared::WavefrontShadowRay)}, {"WavefrontSplit", sizeof(shared::WavefrontSplit)}, {"WavefrontClassSums", sizeof(shared::WavefrontClassSums)}, {"WavefrontControl", sizeof(shared::WavefrontControl)}, {"WavefrontSize", sizeof(shared::WavefrontSize)},
+        {"WavefrontFirst", sizeof(shared::WavefrontFirst)}, {"TileSample", sizeof(shared::TileSample)}, {"PackedLight", sizeof(shared::PackedLight)}, {"RealtimeFrame", sizeof(shared::RealtimeFrame)},
+        {"CacheHeader", sizeof(shared::CacheHeader)}, {"CacheFrameData", sizeof(shared::CacheFrameData)}, {"CacheSize", sizeof(shared::CacheSize)}};
     size_t seen = 0;
     for (const gpu::ShaderStruct& s : test_shader_pack().find("device/layout", "", gpu::Stage::Compute)->structs)
         if (const auto found = sizes.find(s.name); found != sizes.end()) {

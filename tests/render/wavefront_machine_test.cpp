@@ -25,7 +25,7 @@ const Variant kVariants[] = {
     {"each bounce", {.connect = ConnectWhen::EachBounce}},
     {"each bounce, a round a frame", {.connect = ConnectWhen::EachBounce}, 1},
     {"once", {.connect = ConnectWhen::Once}},
-    {"once, little memory", {.connect = ConnectWhen::Once, .memory_bytes = 3 * kSlotBytes * kSize * kSize}},
+    {"once, little memory", {.slots = kSize * kSize, .connect = ConnectWhen::Once, .memory_bytes = 3 * kSlotBytes * kSize * kSize}},
     {"once, no memory", {.connect = ConnectWhen::Once, .memory_bytes = 1}},
     {"full-size dispatch", {.connect = ConnectWhen::EachBounce, .dispatch = WavefrontDispatch::Full}},
     {"once, full-size dispatch", {.connect = ConnectWhen::Once, .dispatch = WavefrontDispatch::Full}},
@@ -166,7 +166,7 @@ TEST_F(WavefrontMachine, more_than_a_million_paths_at_a_time_draw_the_picture) {
     Stage& stage = builtin_stage("builtin:cornell");
     const image::FilmSums expected = stage.render(shot);
     shot.rounds = 1;
-    shot.wavefront = WavefrontOptions{.slots = kMaxWavefrontSlots, .dispatch = WavefrontDispatch::Full};
+    shot.wavefront = WavefrontOptions{.slots = kWidth * kHeight, .dispatch = WavefrontDispatch::Full};
     expect_same(stage.render(shot), expected, false);
     EXPECT_EQ(stage.wavefront.slots, kWidth * kHeight);
     EXPECT_EQ(stage.wavefront.round_length, 2u);
@@ -183,7 +183,7 @@ TEST_F(WavefrontMachine, connect_runs_as_often_as_memory_asks) {
     };
     EXPECT_EQ(round_length({.connect = ConnectWhen::EachBounce}, 16), 1u);
     EXPECT_EQ(round_length({.connect = ConnectWhen::Once}, 4), 5u) << "the vertices of the longest path";
-    const uint32_t cut = round_length({.connect = ConnectWhen::Once, .memory_bytes = 3 * kSlotBytes * kSize * kSize}, 16);
+    const uint32_t cut = round_length({.slots = kSize * kSize, .connect = ConnectWhen::Once, .memory_bytes = 3 * kSlotBytes * kSize * kSize}, 16);
     EXPECT_GT(cut, 2u);
     EXPECT_LT(cut, 17u);
     EXPECT_EQ(round_length({.connect = ConnectWhen::Once, .memory_bytes = 1}, 16), 1u);
@@ -291,7 +291,7 @@ TEST_F(WavefrontCounts, rays_that_all_miss_are_one_a_sample) {
     builtin::add_object(edit, "below", std::move(below), edit.add(builtin::lambert("below", glm::vec3(0.5f))));
     edit.set_environment(Environment{.name = "constant", .scale = glm::vec3(1.0f)});
     Stage stage(make_scene(std::move(edit)));
-    stage.render({.view = {.width = 16, .height = 16}, .camera = look_at({0, 1, 0}, {0, 9, 0.1f}, 1.0f), .sample_count = 5, .wavefront = kVariants[0].options});
+    stage.render({.view = {.width = 16, .height = 16}, .camera = look_at({0, 1, 0}, {0, 9, 0.1f}, 1.0f), .sample_count = 5, .wavefront = WavefrontOptions{.slots = 256}});
     const WavefrontStats& stats = stage.wavefront;
     EXPECT_EQ(stats.rays[0][shared::kClassMiss], 16u * 16u * 5u);
     EXPECT_EQ(ray_sum(stats), 16u * 16u * 5u);
@@ -306,7 +306,7 @@ TEST_F(WavefrontCounts, a_closed_room_counts_every_bounce_of_every_path) {
     Stage& stage = builtin_stage("builtin:diffuse-box");
     for (const bool classes : {true, false})
         for (const ConnectWhen connect : {ConnectWhen::EachBounce, ConnectWhen::Once}) {
-            stage.render({.view = {.width = 16, .height = 16, .max_bounces = 36, .roulette_start = 1000}, .sample_count = 2, .wavefront = WavefrontOptions{.connect = connect, .classes = classes}});
+            stage.render({.view = {.width = 16, .height = 16, .max_bounces = 36, .roulette_start = 1000}, .sample_count = 2, .wavefront = WavefrontOptions{.slots = 256, .connect = connect, .classes = classes}});
             const WavefrontStats& stats = stage.wavefront;
             for (uint32_t bounce = 0; bounce + 1 < shared::kCountedBounces; ++bounce) EXPECT_EQ(stats.rays[bounce][shared::kClassPlain], 512u) << bounce;
             EXPECT_EQ(stats.rays[shared::kCountedBounces - 1][shared::kClassPlain], 512u * (37 - (shared::kCountedBounces - 1))) << "the last row counts all later ones too";

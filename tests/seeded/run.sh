@@ -27,7 +27,7 @@ compile_pack() {
                 scene_gpu/*) source=$tree/src/$name.comp ;;
                 scene/*) source=$tree/shaders/$name.$stage ;;
                 device/*) source=$(compgen -G "$tree/tests/device/shaders/${name#device/}.*" | grep -E "\.(comp|trace|$stage)\$") ;;
-                *) source=$(compgen -G "$tree/src/passes/$name.*" | grep -E '\.(comp|trace)$') ;;
+                *) source=$(compgen -G "$tree/src/passes/$name.*" | grep -E "\.(comp|trace|$stage)\$") ;;
             esac
             flags=() rest=$variant
             case $variant in query*) flags+=(-DTRACE_QUERY) ;; compute*) flags+=(-DTRACE_COMPUTE) ;; pipeline*) flags+=(-DTRACE_PIPELINE) ;; esac

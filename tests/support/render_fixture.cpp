@@ -33,6 +33,7 @@ void Stage::draw(Wavefront& machine, const Shot& shot, View& view, const shared:
         machine.record(frame, scene_gpu, shot.way, view);
         frame.run();
     } while (!machine.advance(1.0, 1.0));
+    machine.finish(frame, view);
 }
 
 image::FilmSums Stage::render(const Shot& shot) {
@@ -60,6 +61,19 @@ image::FilmSums Stage::render(const Shot& shot) {
     rays = view.read_rays(frame);
     wavefront = machine ? machine->stats() : WavefrontStats{};
     return make_film_sums(view.read_film(frame), {shot.view.width, shot.view.height}, {shot.first_sample, end}, {});
+}
+
+image::FilmSums Stage::play(const Shot& shot, const RealtimeOptions& options) {
+    View view = make_view(shot);
+    scene_gpu.finish(frame);
+    Realtime realtime(frame.device(), view, options);
+    realtime.set_frame_index(shot.first_sample);
+    for (uint32_t i = 0; i < shot.sample_count; ++i) {
+        realtime.record(frame, scene_gpu, shot.way, view, i + 1 == shot.sample_count);
+        frame.run();
+    }
+    rays = view.read_rays(frame);
+    return make_film_sums(view.read_film(frame), {shot.view.width, shot.view.height}, {shot.first_sample, shot.first_sample + shot.sample_count}, {});
 }
 
 void Stage::record(const Shot& shot) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "image/film.h"
+#include "renderers/realtime.h"
 #include "renderers/reference.h"
 #include "renderers/wavefront.h"
 #include "scene/builtin.h"
@@ -37,6 +38,8 @@ public:
     // Draws the shot in slices and reads its exact sums.
     image::FilmSums render(const Shot& shot);
     image::ImageF picture(const Shot& shot) { return image::resolve_film(render(shot)); }
+    // Draws the shot's samples as frames of the realtime renderer, numbered from first_sample: their sums.
+    image::FilmSums play(const Shot& shot, const RealtimeOptions& options);
     // Records the shot's first slice with everything before it (scene, film), of a wavefront its first frame, unsubmitted; slices of the
     // scene that must be done before are submitted.
     void record(const Shot& shot);

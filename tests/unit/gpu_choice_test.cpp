@@ -77,7 +77,8 @@ TEST(DeviceChoice, without_a_usable_device_the_error_names_each_and_everything_i
 
 TEST(UseMapping, every_use_has_stages_and_access_that_agree_with_reading_and_writing) {
     constexpr VkAccessFlags2 kWrites = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT | VK_ACCESS_2_HOST_WRITE_BIT |
-                                       VK_ACCESS_2_ACCELERATION_STRUCTURE_WRITE_BIT_KHR;
+                                       VK_ACCESS_2_ACCELERATION_STRUCTURE_WRITE_BIT_KHR | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT |
+                                       VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
     std::set<std::string_view> names;
     for (uint32_t u = 0; u <= static_cast<uint32_t>(Use::HostWrite); ++u) {
         const Use use = static_cast<Use>(u);

@@ -166,7 +166,6 @@ TEST(Options, wrong_usage_is_named_with_what_to_do) {
         {{"a", "--out", "x.####.exr"}, "--out: '#' stands for the numbers of frames (add --frames N)"},
         {{"a", "--average"}, "--average: it does not fit --renderer reference (use --spp N"},
         {{"a", "--upscale", "2"}, "--upscale: it does not fit --renderer reference"},
-        {{"a", "--renderer", "realtime"}, "--renderer: 'realtime' is not built into this version (it has reference, wavefront)"},
         {{"a", "--denoise", "oidn"}, "--denoise: 'oidn' is not built into this version (it has none)"},
         {{"a", "--fps", "1", "--out", "x.exr"}, "--fps: it is for frames (add --frames N and --out NAME.####.exr)"},
         {{"a", "--warmup", "1", "--out", "x.exr"}, "--warmup: it does not fit --renderer reference (use --spp N"},

@@ -101,8 +101,8 @@ TEST(ShaderPack, wrong_contents_are_refused) {
     };
     refused([](ShaderCode& s) { s.words[0] = 1; });
     refused([](ShaderCode& s) { s.words.clear(); });
-    refused([](ShaderCode& s) { s.stage = static_cast<gpu::Stage>(5); });
-    refused([](ShaderCode& s) { s.bindings[0].kind = static_cast<gpu::BindingKind>(6); });
+    refused([](ShaderCode& s) { s.stage = static_cast<gpu::Stage>(7); });
+    refused([](ShaderCode& s) { s.bindings[0].kind = static_cast<gpu::BindingKind>(7); });
     refused([](ShaderCode& s) { s.push_pointers[0].offset = 17; });
     refused([](ShaderCode& s) { s.push_pointers[0].offset = 0xFFFFFFFF; });
 }

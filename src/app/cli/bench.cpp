@@ -6,6 +6,7 @@
 #include "app/cli/commands.h"
 #include "base/log.h"
 #include "session/bench.h"
+#include "session/bench_realtime.h"
 #include "session/results.h"
 #include "session/trace_bench.h"
 
@@ -13,6 +14,7 @@ namespace parhelion::cli {
 
 int run_bench(const OptionValues& values) {
     if (!values.positionals.empty() && values.positionals.front() == "trace") return run_trace_bench_command(values, std::nullopt);
+    if (!values.positionals.empty() && values.positionals.front() == "realtime") return run_realtime_bench_command(values);
     if (values.flag("--layouts")) throw Error(ErrorCode::Usage, "fits bench trace alone", "--layouts", "leave it out");
     const std::string json = values.given("--json") ? values.text("--json") : "";
     check_json_target(json);

@@ -13,6 +13,7 @@ inline int exit_code(platform::Interrupt interrupt) {
 }
 
 int run_render(const OptionValues& values);
+int run_view(const OptionValues& values, const std::vector<std::string>& words);
 int run_compare(const OptionValues& values);
 int run_merge(const OptionValues& values);
 int run_devices(const OptionValues& values);

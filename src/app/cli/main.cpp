@@ -18,10 +18,12 @@ namespace parhelion::cli {
 
 namespace {
 
-int dispatch(const OptionValues& values) {
+int dispatch(const OptionValues& values, const std::vector<std::string>& words) {
     switch (values.command()) {
         case Command::Render:
             return run_render(values);
+        case Command::View:
+            return run_view(values, words);
         case Command::Compare:
             return run_compare(values);
         case Command::Merge:
@@ -58,7 +60,7 @@ int run_command(const CommandSpec& spec, const std::vector<std::string>& words) 
         return EXIT_SUCCESS;
     }
     check_options(values);
-    return dispatch(values);
+    return dispatch(values, words);
 }
 
 // Returns the exit code. A JSON target that cannot be written adds a second line, unless it is what the error is about.

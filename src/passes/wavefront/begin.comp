@@ -17,7 +17,7 @@ layout(push_constant, scalar) uniform Push {
 void main() {
     const uint slot = invocation_index(), count = push.control.v.slot_count;
     if (slot >= count) return;
-    push.slots.v[slot] = WavefrontSlot(vec3(0.0), kNoPixel);
+    push.slots.v[slot] = WavefrontSlot(vec3(0.0), 0u);
     push.status.v[slot] = kSlotFree;
     for (uint i = 0u; i < push.round_length; ++i) push.vertices.v[i * count + slot].bits = 0u;
     if (push.control.v.split != 0u) push.class_sums.v[slot] = WavefrontClassSums(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));

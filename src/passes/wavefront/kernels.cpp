@@ -1,4 +1,4 @@
-// Generate, Extend, Sort, Shade, Connect and Finalize.
+// Generate, Extend, Sort, Shade, Connect, Finalize and Deposit.
 #include <algorithm>
 #include <string>
 
@@ -10,7 +10,7 @@ namespace parhelion::passes {
 namespace {
 
 struct GeneratePush {
-    uint64_t view, control, lists, rays, paths, extras, slots, status, finished;
+    uint64_t view, control, lists, rays, paths, extras, slots, status;
 };
 struct ExtendPush {
     uint64_t control, lists, rays, hits;
@@ -20,8 +20,8 @@ struct SortPush {
     uint32_t only_plain;
 };
 struct ShadePush {
-    uint64_t view, block, control, lists, shadow_list, rays, hits, paths, extras, slots, status, vertices, shadow_rays, splits;
-    uint32_t list, round, round_length;
+    uint64_t view, control, lists, shadow_list, rays, hits, paths, extras, slots, status, vertices, shadow_rays, splits, firsts;
+    uint32_t has_firsts, list, round, round_length;
 };
 struct ConnectPush {
     uint64_t control, shadow_list, shadow_rays, vertices, splits;
@@ -30,8 +30,13 @@ struct ConnectPanesPush {
     uint64_t view, control, shadow_list, shadow_rays, vertices, splits, rays;
 };
 struct FinalizePush {
-    uint64_t view, block, control, slots, vertices, splits, class_sums, finished;
+    uint64_t control, slots, vertices, splits, class_sums, samples, sample_classes;
     uint32_t round_length;
+};
+
+struct DepositPush {
+    uint64_t view, block, control, samples, firsts, sample_classes;
+    uint32_t has_firsts;
 };
 
 bool has_layers(const WavefrontPass& pass) { return (pass.scene.features() & shared::kSceneLayers) != 0; }
@@ -52,11 +57,12 @@ constexpr Class kClasses[] = {{shared::kClassPlain, "+PLAIN", 0, true},
                               {shared::kClassMiss, "+MISS", 0, false}};
 bool exists(const WavefrontPass& pass, const Class& c) { return c.feature == 0 || (pass.scene.features() & c.feature) != 0; }
 
+constexpr uint32_t kRow = 1u << 20;  // invocations, where there may be more than devices take work groups in a row
+
 // Over the entries of a list, or over all that it can have.
 void over(const WavefrontPass& pass, Pass& kernel, uint32_t size, uint64_t most) {
     if (pass.state.shape.indirect) return kernel.over_indirect(pass.state.sizes, size * sizeof(shared::WavefrontSize));
-    constexpr uint64_t kRow = uint64_t{1} << 20;
-    kernel.over(static_cast<uint32_t>(std::min(most, kRow)), static_cast<uint32_t>((most + kRow - 1) / kRow));
+    kernel.over(static_cast<uint32_t>(std::min<uint64_t>(most, kRow)), static_cast<uint32_t>((most + kRow - 1) / kRow));
 }
 
 void shade_class(const WavefrontPass& pass, const std::string& defines, uint32_t list, uint32_t size) {
@@ -64,7 +70,6 @@ void shade_class(const WavefrontPass& pass, const std::string& defines, uint32_t
     Pass kernel = pass.frame.compute("wavefront/shade", defines);
     kernel.scene(pass.scene.binding())
         .read("view", pass.film.view)
-        .read_write("block", pass.film.block)
         .read_write("control", state.control)
         .read_write("lists", state.lists)
         .write("shadow_list", state.shadow_list)
@@ -77,8 +82,9 @@ void shade_class(const WavefrontPass& pass, const std::string& defines, uint32_t
         .read_write("vertices", state.vertices)
         .write("shadow_rays", state.shadow_rays)
         .read_write("splits", state.splits)
-        .push(ShadePush{.list = list, .round = pass.round, .round_length = state.shape.round_length});
-    over(pass, kernel, size, state.shape.slots);
+        .read_write("firsts", state.firsts)
+        .push(ShadePush{.has_firsts = state.shape.firsts, .list = list, .round = pass.round, .round_length = state.shape.round_length});
+    over(pass, kernel, size, pass.slots);
 }
 
 // What both kernels of Connect work on, and how many rays that may be.
@@ -91,7 +97,7 @@ Pass& bind_shadow_rays(const WavefrontPass& pass, Pass& kernel) {
         .read_write("splits", pass.state.splits);
 }
 void over_shadow_rays(const WavefrontPass& pass, Pass& kernel) {
-    over(pass, kernel, shared::kListShadows, uint64_t{pass.state.shape.slots} * pass.state.shape.round_length);
+    over(pass, kernel, shared::kListShadows, uint64_t{pass.slots} * pass.state.shape.round_length);
 }
 
 }  // namespace
@@ -108,9 +114,8 @@ void generate(const WavefrontPass& pass) {
         .read_write("extras", state.extras)
         .read_write("slots", state.slots)
         .read_write("status", state.status)
-        .read_write("finished", state.finished)
         .push(GeneratePush{})
-        .over(state.shape.slots);
+        .over(pass.slots);
 }
 
 void extend(const WavefrontPass& pass) {
@@ -122,7 +127,7 @@ void extend(const WavefrontPass& pass) {
         .read("rays", state.rays)
         .write("hits", state.hits)
         .push(ExtendPush{});
-    over(pass, kernel, shared::kListRays, state.shape.slots);
+    over(pass, kernel, shared::kListRays, pass.slots);
 }
 
 void sort_hits(const WavefrontPass& pass) {
@@ -133,7 +138,7 @@ void sort_hits(const WavefrontPass& pass) {
         .read_write("lists", pass.state.lists)
         .read("hits", pass.state.hits)
         .push(SortPush{.only_plain = only_plain});
-    over(pass, kernel, shared::kSizeHits, pass.state.shape.slots);
+    over(pass, kernel, shared::kSizeHits, pass.slots);
 }
 
 void shade(const WavefrontPass& pass) {
@@ -159,16 +164,27 @@ void connect(const WavefrontPass& pass) {
 void finalize(const WavefrontPass& pass) {
     const WavefrontState& state = pass.state;
     pass.frame.compute("wavefront/finalize")
-        .read("view", pass.film.view)
-        .read_write("block", pass.film.block)
         .read_write("control", state.control)
         .read_write("slots", state.slots)
         .read_write("vertices", state.vertices)
         .read_write("splits", state.splits)
         .read_write("class_sums", state.class_sums)
-        .read_write("finished", state.finished)
+        .read_write("samples", state.samples)
+        .read_write("sample_classes", state.sample_classes)
         .push(FinalizePush{.round_length = state.shape.round_length})
-        .over(state.shape.slots);
+        .over(pass.slots);
+}
+
+void deposit(Frame& frame, const WavefrontState& state, const Film& film, uint32_t pixels) {
+    frame.compute("wavefront/deposit")
+        .read("view", film.view)
+        .read_write("block", film.block)
+        .read_write("control", state.control)
+        .read_write("samples", state.samples)
+        .read_write("firsts", state.firsts)
+        .read_write("sample_classes", state.sample_classes)
+        .push(DepositPush{.has_firsts = state.shape.firsts})
+        .over(std::min(pixels, kRow), (pixels + kRow - 1) / kRow);
 }
 
 }  // namespace parhelion::passes

@@ -3,6 +3,7 @@
 #define PARHELION_WAVEFRONT_PATHS_GLSL
 #include "scene/path_state.glsl"
 #include "wavefront/bits.glsl"
+#include "wavefront/pixels.glsl"
 #include "wavefront/state.glsl"
 
 #if defined(LAYERS) || defined(RAY_CONES)
@@ -29,13 +30,12 @@ PathState unpack_path(WavefrontRay ray, WavefrontPath kept, WavefrontExtra extra
 
 const WavefrontExtra kNoExtra = WavefrontExtra(uvec4(kNone), 0.0, 1.0, kNoCone.width, kNoCone.spread);
 
-WavefrontRay pack_ray(PathState path, uint sample_offset) {
-    return WavefrontRay(path.ray.origin_ws, path.ray.alpha_key, path.ray.direction_ws, pack_bits(path.path_class, sample_offset));
-}
+WavefrontRay pack_ray(PathState path) { return WavefrontRay(path.ray.origin_ws, path.ray.alpha_key, path.ray.direction_ws, pack_bits(path.path_class)); }
 WavefrontExtra pack_extra(PathState path) { return WavefrontExtra(path.media.materials, path.travelled, path.radiance_scale, path.cone.width, path.cone.spread); }
 
-// Which sample of which pixel a slot works at.
-PathKey slot_key(ViewData view, Control control, uint pixel, uint sample_offset) {
-    return PathKey(uvec2(pixel % view.width, pixel / view.width), control.v.slice.first_sample + sample_offset, view.seed);
+// Which sample of which pixel a path of the slice is.
+PathKey path_key(ViewData view, Control control, uint path) {
+    const uint count = control.v.pixel_count, sample_offset = path / count;
+    return PathKey(pixel_of(view, control.v.slice, path - sample_offset * count), control.v.slice.first_sample + sample_offset, view.seed);
 }
 #endif

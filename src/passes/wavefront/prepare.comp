@@ -31,8 +31,7 @@ void add_rays(uint kind, uint count) {
 void main() {
     if (push.stage == kAfterGenerate) {
         const uint count = push.control.v.count[kListRays];
-        push.control.v.live = count + push.control.v.count[kCountWaiting];
-        push.control.v.count[kCountWaiting] = 0u;
+        push.control.v.live = count;
         push.control.v.iterations += uint(count != 0u);
         add_rays(kRayPath, count);
         set_size(kListRays, kListRays, push.tracing_group);

@@ -1,7 +1,7 @@
 #version 460
 // Shades vertices of one class of materials, or of all: what arrives there, which light it asks for, where the path goes on.
-// Reads: scene, view, hits, lists (a class or the rays). Reads and writes: block (what is known of first surfaces), control,
-// shadow_list, rays, paths, extras, slots, status, vertices, shadow_rays, splits. Documents 002, 003.
+// Reads: scene, view, slots, hits, lists (a class or the rays). Reads and writes: control, shadow_list, rays, paths, extras, status,
+// vertices, shadow_rays, splits. Writes: firsts (what is known of first surfaces). Documents 002, 003.
 // variants: MISS EMITTER PLAIN RAY_CONES EMITTER+RAY_CONES PLAIN+RAY_CONES LAYERS MISS+LAYERS EMITTER+LAYERS PLAIN+LAYERS COATED+LAYERS TRANSMISSIVE+LAYERS LAYERS+RAY_CONES EMITTER+LAYERS+RAY_CONES PLAIN+LAYERS+RAY_CONES COATED+LAYERS+RAY_CONES TRANSMISSIVE+LAYERS+RAY_CONES
 // optimised variants
 #extension GL_GOOGLE_include_directive : require
@@ -18,7 +18,6 @@ const uint kClassesHere = 1u;
 #else
 const uint kClassesHere = kClassCount;
 #endif
-#include "scene/film.glsl"
 #include "scene/vertex.glsl"
 #include "wavefront/classes.glsl"
 #include "wavefront/counts.glsl"
@@ -31,7 +30,6 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Sh
 layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer ShadowRays { WavefrontShadowRay v[]; };
 layout(push_constant, scalar) uniform Push {
     ViewBlock view;
-    FilmBlock block;
     Control control;
     Lists lists;
     ShadowList shadow_list;
@@ -44,6 +42,8 @@ layout(push_constant, scalar) uniform Push {
     Vertices vertices;
     ShadowRays shadow_rays;
     Splits splits;
+    Firsts firsts;
+    uint has_firsts;
     uint list;
     uint round, round_length;  // vertices of a slot since the last Connect, and until the next
 } push;
@@ -71,10 +71,10 @@ void keep_split(uint slot, uint entry, PathClass before, PathState path, VertexR
 }
 
 // What the vertex leaves for Connect and Finalize.
-void keep_vertex(uint slot, uint entry, PathClass before, VertexResult vertex) {
-    const uint bits = pack_bits(before, 0u) | kVertexExists | (vertex.event.exists ? kVertexEvent : 0u) | (vertex.goes_on ? 0u : kVertexEnds);
+void keep_vertex(uint number, uint entry, PathClass before, VertexResult vertex) {
+    const uint bits = pack_bits(before) | kVertexExists | (vertex.event.exists ? kVertexEvent : 0u) | (vertex.goes_on ? 0u : kVertexEnds);
     const vec3 sampled = vertex.event.exists ? total(vertex.event.value) : vec3(0.0);
-    push.vertices.v[entry] = WavefrontVertex(vertex.arriving, bits, sampled, push.slots.v[slot].pixel);
+    push.vertices.v[entry] = WavefrontVertex(vertex.arriving, bits, sampled, number);
     if (!vertex.event.exists) return;
     const Ray ray = vertex.event.ray;
     push.shadow_rays.v[entry] = WavefrontShadowRay(ray.origin_ws, ray.t_max, ray.direction_ws, ray.alpha_key);
@@ -90,19 +90,19 @@ bool tells_first_hit(PathClass before, PathState path, VertexResult vertex) {
 VertexResult shade(uint slot, WavefrontHit met, uint entry, out uint bounce) {
     const ViewData view = push.view.data;
     const WavefrontRay ray = push.rays.v[slot];
-    const uint pixel = push.slots.v[slot].pixel, sample_offset = ray.bits >> kPathSampleShift;
+    const uint number = push.slots.v[slot].path;  // of the slice
     WavefrontExtra extra = kNoExtra;
     if (kHasExtra) extra = push.extras.v[slot];
     PathState path = unpack_path(ray, push.paths.v[slot], extra);
     const PathClass before = path.path_class;
     bounce = before.bounce;
     FirstHit first = FirstHit(vec3(0.0), vec3(0.0), vec3(0.0), 0.0);
-    const VertexResult vertex = vertex_of(view, slot_key(view, push.control, pixel, sample_offset), met, path, first);
-    if (tells_first_hit(before, path, vertex)) film_add_first_hit(push.block, view, pixel, first);
-    keep_vertex(slot, entry, before, vertex);
+    const VertexResult vertex = vertex_of(view, path_key(view, push.control, number), met, path, first);
+    if (push.has_firsts != 0u && tells_first_hit(before, path, vertex)) push.firsts.v[number] = WavefrontFirst(first.albedo, first.normal_ws, first.emission, first.roughness);
+    keep_vertex(number, entry, before, vertex);
     if (push.control.v.split != 0u) keep_split(slot, entry, before, path, vertex);
     if (vertex.goes_on) {
-        push.rays.v[slot] = pack_ray(path, sample_offset);
+        push.rays.v[slot] = pack_ray(path);
         push.paths.v[slot] = WavefrontPath(path.throughput, path.pdf);
         if (kHasExtra) push.extras.v[slot] = pack_extra(path);
     }

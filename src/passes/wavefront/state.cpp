@@ -33,12 +33,16 @@ uint64_t state_bytes(const WavefrontShape& shape) {
            (shape.split ? (round + 1) * sizeof(shared::WavefrontSplit) + sizeof(shared::WavefrontClassSums) : 0);
 }
 
+uint64_t sample_bytes(const WavefrontShape& shape) {
+    return sizeof(glm::vec3) + (shape.firsts ? sizeof(shared::WavefrontFirst) : 0) + (shape.split ? sizeof(shared::WavefrontClassSums) : 0);
+}
+
 uint32_t usual_slots(const gpu::DeviceCaps& caps) {
     constexpr uint64_t kSlotBytes = 300, kShare = 8;  // with all that a slot may hold
     return static_cast<uint32_t>(std::clamp<uint64_t>(caps.memory_bytes / (kShare * kSlotBytes), 1, gpu::device_class(caps).wavefront_slots));
 }
 
-WavefrontState make_wavefront_state(const gpu::DevicePtr& device, const WavefrontShape& shape, uint64_t pixels) {
+WavefrontState make_wavefront_state(const gpu::DevicePtr& device, const WavefrontShape& shape) {
     const uint64_t slots = shape.slots, vertices = slots * shape.round_length;
     const auto buffer = [&](const char* name, uint64_t count, uint64_t bytes) {
         return gpu::Buffer(device, std::string("wavefront/") + name, std::max<uint64_t>(count, 1) * bytes);
@@ -58,19 +62,21 @@ WavefrontState make_wavefront_state(const gpu::DevicePtr& device, const Wavefron
             .shadow_list = buffer("shadow_list", vertices, sizeof(uint32_t)),
             .splits = buffer("splits", shape.split ? vertices + slots : 0, sizeof(shared::WavefrontSplit)),
             .class_sums = buffer("class_sums", shape.split ? slots : 0, sizeof(shared::WavefrontClassSums)),
-            .finished = buffer("finished", pixels, sizeof(uint32_t))};
+            .samples = buffer("samples", shape.paths, sizeof(glm::vec3)),
+            .firsts = buffer("firsts", shape.firsts ? shape.paths : 0, sizeof(shared::WavefrontFirst)),
+            .sample_classes = buffer("sample_classes", shape.split ? shape.paths : 0, sizeof(shared::WavefrontClassSums))};
 }
 
-void begin_wavefront(Frame& frame, const WavefrontState& state) {
-    frame.fill(state.finished, 0);
-    frame.compute("wavefront/begin")
+void begin_wavefront(const WavefrontPass& pass) {
+    const WavefrontState& state = pass.state;
+    pass.frame.compute("wavefront/begin")
         .read_write("control", state.control)
         .read_write("status", state.status)
         .read_write("slots", state.slots)
         .read_write("vertices", state.vertices)
         .read_write("class_sums", state.class_sums)
         .push(BeginPush{.round_length = state.shape.round_length})
-        .over(state.shape.slots);
+        .over(pass.slots);
 }
 
 void prepare_wavefront(const WavefrontPass& pass, uint32_t stage) {

@@ -13,6 +13,8 @@ struct WavefrontShape {
     bool indirect = true;       // work sizes from the GPU, else every kernel runs over all slots and most invocations end at once
     bool extra = false;         // the scene has layered materials, or textures are read by ray cones
     bool split = false;         // light is kept by path class too
+    bool firsts = false;        // what paths see first is kept
+    uint64_t paths = 0;         // most of a slice
 
     bool operator==(const WavefrontShape&) const = default;
 };
@@ -27,10 +29,11 @@ struct WavefrontState {
     gpu::Buffer vertices, shadow_rays, shadow_list; // [round_length][slots]
     gpu::Buffer splits;      // [round_length + 1][slots]
     gpu::Buffer class_sums;  // [slots]
-    gpu::Buffer finished;    // uint[pixels of the film]: samples of the slice that are in it
+    gpu::Buffer samples, firsts, sample_classes;  // [paths]: what finished paths brought
 };
-WavefrontState make_wavefront_state(const gpu::DevicePtr& device, const WavefrontShape& shape, uint64_t pixels);
+WavefrontState make_wavefront_state(const gpu::DevicePtr& device, const WavefrontShape& shape);
 uint64_t state_bytes(const WavefrontShape& shape);  // of one slot
+uint64_t sample_bytes(const WavefrontShape& shape);  // of one path of a slice
 uint32_t usual_slots(const gpu::DeviceCaps& caps);   // as suit devices of its class, in an eighth of its memory
 
 // What kernels of an iteration have in common.
@@ -41,10 +44,11 @@ struct WavefrontPass {
     const Film& film;
     const WavefrontState& state;
     bool ray_cones = false;
+    uint32_t slots = 0;  // of the machine that are in use
     uint32_t round = 0;  // vertices of every slot since the last Connect
 };
 
-void begin_wavefront(Frame& frame, const WavefrontState& state);
+void begin_wavefront(const WavefrontPass& pass);
 void prepare_wavefront(const WavefrontPass& pass, uint32_t stage);  // shared::kAfter...
 void generate(const WavefrontPass& pass);
 void extend(const WavefrontPass& pass);
@@ -52,5 +56,6 @@ void sort_hits(const WavefrontPass& pass);
 void shade(const WavefrontPass& pass);  // one kernel, or one for each class that the scene has
 void connect(const WavefrontPass& pass);  // with a second kernel for rays that meet panes
 void finalize(const WavefrontPass& pass);
+void deposit(Frame& frame, const WavefrontState& state, const Film& film, uint32_t pixels);  // of the slice: its samples into the film
 
 }  // namespace parhelion::passes

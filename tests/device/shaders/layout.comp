@@ -23,6 +23,8 @@ layout(set = 1, binding = 0, scalar) buffer AllStructs {
     ViewData view_data[2];
     Slice slice[2];
     DumpedRay dumped_ray[2];
+    DrawnGeometry drawn_geometry[2];
+    RasterCounts raster_counts[2];
     BvhNode bvh_node[2];
     BvhNodeBinary bvh_node_binary[2];
     BvhNodeCompact bvh_node_compact[2];
@@ -41,6 +43,13 @@ layout(set = 1, binding = 0, scalar) buffer AllStructs {
     WavefrontClassSums wavefront_class_sums[2];
     WavefrontControl wavefront_control[2];
     WavefrontSize wavefront_size[2];
+    WavefrontFirst wavefront_first[2];
+    TileSample tile_sample[2];
+    PackedLight packed_light[2];
+    RealtimeFrame realtime_frame[2];
+    CacheHeader cache_header[2];
+    CacheFrameData cache_frame_data[2];
+    CacheSize cache_size[2];
 } all_structs;
 
 // Copying struct by struct: the block has its own layout, a local variable none.
@@ -67,6 +76,8 @@ void main() {
         all_structs.view_data[i] = value.view_data[i];
         all_structs.slice[i] = value.slice[i];
         all_structs.dumped_ray[i] = value.dumped_ray[i];
+        all_structs.drawn_geometry[i] = value.drawn_geometry[i];
+        all_structs.raster_counts[i] = value.raster_counts[i];
         all_structs.bvh_node[i] = value.bvh_node[i];
         all_structs.bvh_node_binary[i] = value.bvh_node_binary[i];
         all_structs.bvh_node_compact[i] = value.bvh_node_compact[i];
@@ -84,5 +95,11 @@ void main() {
         all_structs.wavefront_split[i] = value.wavefront_split[i];
         all_structs.wavefront_class_sums[i] = value.wavefront_class_sums[i];
         all_structs.wavefront_size[i] = value.wavefront_size[i];
+        all_structs.wavefront_first[i] = value.wavefront_first[i];
+        all_structs.tile_sample[i] = value.tile_sample[i];
+        all_structs.packed_light[i] = value.packed_light[i];
+        all_structs.realtime_frame[i] = value.realtime_frame[i];
+        all_structs.cache_frame_data[i] = value.cache_frame_data[i];
+        all_structs.cache_size[i] = value.cache_size[i];
     }
 }

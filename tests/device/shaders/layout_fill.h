@@ -2,11 +2,14 @@
 #ifndef PARHELION_TEST_LAYOUT_FILL_H
 #define PARHELION_TEST_LAYOUT_FILL_H
 #include "shared/bvh.h"
+#include "shared/cache.h"
 #include "shared/functions.h"
 #include "shared/hit.h"
+#include "shared/raster.h"
 #include "shared/reference.h"
 #include "shared/scene.h"
 #include "shared/view.h"
+#include "shared/realtime.h"
 #include "shared/wavefront.h"
 SHARED_BEGIN
 
@@ -29,6 +32,8 @@ struct LayoutStructs {
     ViewData view_data[2];
     Slice slice[2];
     DumpedRay dumped_ray[2];
+    DrawnGeometry drawn_geometry[2];
+    RasterCounts raster_counts[2];
     BvhNode bvh_node[2];
     BvhNodeBinary bvh_node_binary[2];
     BvhNodeCompact bvh_node_compact[2];
@@ -47,6 +52,13 @@ struct LayoutStructs {
     WavefrontClassSums wavefront_class_sums[2];
     WavefrontControl wavefront_control[2];  // stays zero: its hundreds of counters would take minutes to compile; its members' places are reflected
     WavefrontSize wavefront_size[2];
+    WavefrontFirst wavefront_first[2];
+    TileSample tile_sample[2];
+    PackedLight packed_light[2];
+    RealtimeFrame realtime_frame[2];
+    CacheHeader cache_header[2];  // stays zero too
+    CacheFrameData cache_frame_data[2];
+    CacheSize cache_size[2];
 };
 
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(uint) v) { v = n++; }
@@ -100,6 +112,11 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(ViewData) v) {
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Slice) v) { F(first_row) F(row_count) F(first_sample) F(sample_count) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(DumpedRay) v) { F(origin_ws) F(reach) F(direction_ws) F(alpha_key) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(DrawnGeometry) v) { F(instance) F(geometry) F(lower) F(upper) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(RasterCounts) v) {
+    for (uint i = 0u; i < 6u; ++i) F(drawn[i])
+    F(far_bits)
+}
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhNode) v) { F(min_x) F(max_x) F(min_y) F(max_y) F(min_z) F(max_z) F(child) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhNodeBinary) v) { F(x) F(y) F(z) F(child) F(pad) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(BvhNodeCompact) v) { F(origin) F(min_x) F(scale) F(max_x) F(min_y) F(max_y) F(min_z) F(max_z) F(child) }
@@ -112,19 +129,28 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontRay) v) { F(orig
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontHit) v) { F(instance_bits) F(geometry) F(primitive) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontPath) v) { F(throughput) F(pdf) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontExtra) v) { F(media) F(travelled) F(radiance_scale) F(cone_width) F(cone_spread) }
-SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontSlot) v) { F(radiance) F(pixel) }
-SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontVertex) v) { F(arriving) F(bits) F(sampled) F(pixel) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontSlot) v) { F(radiance) F(path) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontVertex) v) { F(arriving) F(bits) F(sampled) F(path) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontShadowRay) v) { F(origin_ws) F(t_max) F(direction_ws) F(alpha_key) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontSplit) v) { F(diffuse_share) F(diffuse) F(specular) F(transmission) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontClassSums) v) { F(emission) F(direct_diffuse) F(direct_specular) F(indirect_diffuse) F(indirect_specular) F(transmission) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontFirst) v) { F(albedo) F(normal_ws) F(emission) F(roughness) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontSize) v) { F(x) F(y) F(z) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(TileSample) v) { F(place_ws) F(normal) F(bits) F(inverse_pdf) F(emitter) F(triangle) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(PackedLight) v) { F(low) F(high) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(RealtimeFrame) v) { F(frame_index) F(exposure) F(candidates) F(tiles) F(listed_group) F(path_bounces) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(CacheFrameData) v) {
+    F(frame_index) F(seed) F(exposure) F(exposure_ratio) F(cell_scale) F(cell_pixels) F(jitter) F(life) F(most_samples) F(candidates)
+}
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(CacheSize) v) { F(x) F(y) F(z) }
 
 // Entry i of every array.
 SHARED_FN void fill_entry(SHARED_INOUT(uint) n, SHARED_INOUT(LayoutStructs) v, uint i) {
     F(scene_header[i]) F(geometry[i]) F(bvh_addresses[i]) F(affine[i]) F(instance[i]) F(vertex_attributes[i]) F(texture_entry[i]) F(texture_ref[i]) F(material[i]) F(emitter[i])
-    F(alias_entry[i]) F(environment[i]) F(hit[i]) F(camera[i]) F(camera_motion[i]) F(view_data[i]) F(slice[i]) F(dumped_ray[i]) F(bvh_node[i]) F(bvh_node_binary[i]) F(bvh_node_compact[i]) F(bvh_triangle[i]) F(bvh_top_item[i])
+    F(alias_entry[i]) F(environment[i]) F(hit[i]) F(camera[i]) F(camera_motion[i]) F(view_data[i]) F(slice[i]) F(dumped_ray[i]) F(drawn_geometry[i]) F(raster_counts[i]) F(bvh_node[i]) F(bvh_node_binary[i]) F(bvh_node_compact[i]) F(bvh_triangle[i]) F(bvh_top_item[i])
     F(traversal_ray[i]) F(traversal_hit[i])
-    F(wavefront_ray[i]) F(wavefront_hit[i]) F(wavefront_path[i]) F(wavefront_extra[i]) F(wavefront_slot[i]) F(wavefront_vertex[i]) F(wavefront_shadow_ray[i]) F(wavefront_split[i]) F(wavefront_class_sums[i]) F(wavefront_size[i])
+    F(wavefront_ray[i]) F(wavefront_hit[i]) F(wavefront_path[i]) F(wavefront_extra[i]) F(wavefront_slot[i]) F(wavefront_vertex[i]) F(wavefront_shadow_ray[i]) F(wavefront_split[i]) F(wavefront_class_sums[i]) F(wavefront_size[i]) F(wavefront_first[i]) F(tile_sample[i]) F(packed_light[i]) F(realtime_frame[i])
+    F(cache_frame_data[i]) F(cache_size[i])
 }
 #undef F
 

@@ -1,0 +1,59 @@
+// What the realtime renderer keeps of a pixel and of light samples.
+#ifndef PARHELION_SHARED_REALTIME_H
+#define PARHELION_SHARED_REALTIME_H
+#include "shared/types.h"
+SHARED_BEGIN
+
+// The identity of a pixel (RGBA32UI): instance bits as in Hit, geometry, primitive, and, once the surface is known, its geometric
+// normal (octahedral, 16 bits a component). kHitMiss: sky.
+
+// Nearest distance that reversed-Z depth tells apart: depth = kDepthNear / distance along the axis, 0 infinitely far; of an orthographic
+// camera 1 / (1 + distance).
+SHARED_CONST float kDepthNear = 1e-3f;
+
+// Flags in the lowest bits of Summary::w.
+SHARED_CONST uint kSummaryFrontFacing = 1u;
+SHARED_CONST uint kSummaryTransmits = 2u;
+SHARED_CONST uint kSummaryDelta = 4u;  // an exact mirror, or smooth glass
+
+// Light tiles: sets of light samples that are drawn before anyone needs them, so that neighbours read the same memory. Wyman and
+// Panteleev 2021, "Rearchitecting Spatiotemporal Resampling for Production", section 5.
+SHARED_CONST uint kTileCount = 128u;
+SHARED_CONST uint kTileSamples = 1024u;
+
+// TileSample::bits: channels of radiance over density, 9 bits each, as code 1 + (log2 + 40) / 80 * 510, 0: none; then a kind.
+SHARED_CONST uint kTileMesh = 0u;             // place: position; its triangle shines to the front
+SHARED_CONST uint kTileMeshBothSides = 1u;
+SHARED_CONST uint kTileInfinite = 2u;         // place: direction to it
+SHARED_CONST uint kTileDeltaInfinite = 3u;
+SHARED_CONST uint kTilePoint = 4u;            // a delta light at a position
+SHARED_CONST uint kTileNone = 5u;
+SHARED_CONST uint kTileKindShift = 27u;
+
+// 32 bytes: what choosing between light samples needs, in log2 and octahedral codes. The sample that is chosen is made once more, from
+// its light and the numbers of its place in the tile.
+struct TileSample {
+    vec3 place_ws;
+    uint normal;         // of the triangle, octahedral
+    uint bits;
+    float inverse_pdf;   // per area, per solid angle, or 1 over the probability of a delta light
+    uint emitter, triangle;
+};
+
+// Three unsigned floats of 8 bits exponent and 13 bits mantissa, rounded to nearest.
+struct PackedLight {
+    uint low, high;
+};
+
+// A frame of the realtime renderer.
+struct RealtimeFrame {
+    uint frame_index;   // key of all its random numbers, with the view's seed
+    float exposure;     // stored radiance is nits times this
+    uint candidates;    // light samples that the first surface's one is chosen from
+    uint tiles;         // 1: they come from light tiles
+    uint listed_group;  // invocations of a work group of light's second kernel
+    uint path_bounces;  // scatterings after which a path ends in the cache whatever it meets
+};
+
+SHARED_END
+#endif

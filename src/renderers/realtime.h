@@ -1,0 +1,55 @@
+#pragma once
+// The realtime renderer: a frame's light in one pass of short paths, with nothing baked. Documents 000, 001 and 004.
+#include <optional>
+
+#include "passes/cache/cache.h"
+#include "passes/gbuffer/raster.h"
+#include "passes/lights/lights.h"
+#include "passes/realtime/realtime.h"
+#include "renderers/view.h"
+
+namespace parhelion {
+
+enum class RealtimeReuse : uint32_t { Full, None, Unbiased };
+
+// What finds the triangles under the pixels. Auto traces: so far raster is the faster one on no device that was measured.
+enum class GBufferMode : uint32_t { Auto, Raster, Trace };
+
+struct RealtimeOptions {
+    GBufferMode gbuffer = GBufferMode::Auto;  // Raster needs SceneGpuOptions::raster, and a camera without a lens
+    uint32_t candidates = 8;  // light samples that the first surface's one is chosen from
+    bool tiles = true;        // they come from light tiles; false: the light is sampled as by the reference
+    bool cache = true;           // paths end in the world cache; false: they go to the view's depth
+    uint32_t path_bounces = 3;   // scatterings after which a path ends in the cache whatever it meets
+    CacheOptions cache_options;
+    float exposure = 1.0f;    // stored radiance is nits times this; about 1 over the nits of white
+};
+
+// Draws frames of one view.
+class Realtime {
+public:
+    Realtime(gpu::DevicePtr device, const View& view, const RealtimeOptions& options);
+
+    // Records a frame, as one more sample of the view's film (the block of 64 that it ends is added to the exact sums). `ends_range`: the
+    // film is read after it. Only records: no submit, no wait. The scene must be drawable (SceneGpu::update).
+    void record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, View& view, bool ends_range);
+
+    uint32_t frame_index() const { return frame_index_; }  // of the next frame: key of its random numbers
+    void set_frame_index(uint32_t index) { frame_index_ = index; }
+    const passes::GBuffer& gbuffer() const { return gbuffer_; }
+    const std::optional<LightCache>& cache() const { return cache_; }
+    // Of the coming frames; what is stored is rescaled.
+    void set_exposure(float exposure) { options_.exposure = exposure; }
+
+private:
+    RealtimeOptions options_;
+    passes::GBuffer gbuffer_;
+    passes::RasterHistory raster_;
+    passes::Signals signals_;
+    gpu::Buffer tiles_;
+    std::optional<LightCache> cache_;
+    uint64_t scene_version_ = 0;
+    uint32_t frame_index_ = 0;
+};
+
+}  // namespace parhelion

@@ -1,0 +1,142 @@
+#include "session/bench_realtime.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include <glm/gtc/matrix_transform.hpp>
+#include <nlohmann/json.hpp>
+
+#include "base/log.h"
+#include "base/platform.h"
+#include "image/tonemap.h"
+#include "scene/load.h"
+#include "session/bench.h"
+#include "session/metering.h"
+#include "session/results.h"
+#include "session/scene_setup.h"
+#include "session/trace_choice.h"
+
+namespace parhelion {
+
+namespace {
+
+// The camera turns to and fro by some pixels a frame, so that every frame has other pixels and some are new.
+CameraView turned(const CameraView& view, uint32_t frame) {
+    constexpr double kTurn = 0.15, kPeriod = 96;
+    const auto angle = static_cast<float>(kTurn * std::sin(2.0 * 3.14159265358979 * frame / kPeriod));
+    CameraView out = view;
+    const glm::mat3 turn(glm::rotate(glm::mat4(1.0f), angle, glm::vec3(0.0f, 1.0f, 0.0f)));
+    out.right = turn * view.right;
+    out.up = turn * view.up;
+    out.forward = turn * view.forward;
+    return out;
+}
+
+bool is_of_the_film(std::string_view pass) { return pass.starts_with("transfer/") || pass.starts_with("reference/"); }
+
+void add_passes(RealtimeBenchRow& row, const Frame& frame, double share) {
+    for (const PassInfo& pass : frame.passes()) {
+        if (is_of_the_film(pass.name)) continue;
+        const auto same = [&](const RealtimeBenchRow::PassMs& known) { return known.name == pass.name; };
+        auto found = std::ranges::find_if(row.passes, same);
+        if (found == row.passes.end()) found = row.passes.insert(row.passes.end(), {.name = pass.name});
+        found->ms += pass.gpu_ms * share;
+    }
+}
+
+}  // namespace
+
+double RealtimeBenchRow::ms(std::string_view prefix) const {
+    double sum = 0;
+    for (const PassMs& pass : passes)
+        if (pass.name.starts_with(prefix)) sum += pass.ms;
+    return sum;
+}
+
+RealtimeBenchOptions read_realtime_bench_options(const OptionValues& values, const gpu::DeviceCaps& caps) {
+    if (values.given("--baseline")) throw Error(ErrorCode::Usage, "does not fit bench realtime", values.where("--baseline"), "leave it out");
+    RealtimeBenchOptions options{.scenes = {"builtin:diorama", "builtin:many-lights"}};
+    if (values.given("--scene")) options.scenes = values.texts("--scene");
+    for (const std::string& scene : values.texts("--also")) options.scenes.push_back(scene);
+    if (caps.type == gpu::DeviceType::Cpu) options.size = {320, 180};
+    if (values.given("--size")) options.size = parse_size(values.text("--size"), "--size");
+    if (values.given("--spp")) options.frames = static_cast<uint32_t>(parse_int(values.text("--spp"), "--spp", 1, 1 << 20));
+    const std::vector<gpu::TraceWay> ways = bench_ways(values, caps);
+    options.way = std::ranges::find(ways, gpu::TraceWay::Compute) != ways.end() ? gpu::TraceWay::Compute : ways.front();
+    for (const std::string& assignment : values.texts("--set")) apply_assignment(options.settings, assignment);
+    return options;
+}
+
+RealtimeBenchRow run_realtime_bench(const std::string& scene, const RealtimeBenchOptions& options, const gpu::DevicePtr& device) {
+    LoadedScene loaded = load_scene(scene, {});
+    RenderOptions as_if{.scene = scene, .size = options.size};
+    add_light(loaded.scene, as_if, sky_options(options.settings));
+    std::string description;
+    const CameraView camera = choose_camera(loaded.scene, as_if, description);
+    const float aspect = static_cast<float>(options.size.width) / static_cast<float>(options.size.height);
+    Frame frame(device);
+    const bool hardware = options.way != gpu::TraceWay::Compute;
+    SceneGpu on_device(device, {.hardware = hardware, .own_bvh = !hardware, .raster = options.settings.gbuffer_mode == GBufferMode::Raster, .node_layout = options.settings.node_layout, .bvh_loop = options.settings.bvh_loop});
+    on_device.sync(loaded.scene);
+    on_device.finish(frame);
+    const ViewDesc desc{.width = options.size.width, .height = options.size.height, .camera = shader_camera(camera, aspect), .filter = PixelFilter::Point};
+    View view(device, desc);
+    RealtimeOptions realtime_settings = realtime_options(options.settings);
+    realtime_settings.exposure = static_cast<float>(image::exposure_scale_from_ev100(meter_scene(device, frame, on_device, options.way, desc)));
+    Realtime realtime(device, view, realtime_settings);
+
+    RealtimeBenchRow row{.scene = scene};
+    const double share = 1.0 / options.frames, pixels = double(options.size.width) * options.size.height;
+    for (uint32_t i = 0; i < options.warmup + options.frames; ++i) {
+        view.set_camera(shader_camera(turned(camera, i), aspect));
+        realtime.record(frame, on_device, options.way, view, true);
+        frame.run();
+        if (i < options.warmup) continue;
+        add_passes(row, frame, share);
+        const RayCounts rays = view.read_rays(frame);
+        row.rays_per_pixel += (1.0 + double(rays.path + rays.shadow) / pixels) * share;
+        if (!realtime.cache()) continue;
+        const CacheStats cells = realtime.cache()->read_stats(frame);
+        row.live_cells += cells.live * share;
+        row.updated_cells += cells.updated * share;
+        row.cache_rays += double(cells.path_rays + cells.shadow_rays) * share;
+    }
+    if (realtime.cache()) row.cache_bytes = realtime.cache()->bytes();
+    return row;
+}
+
+std::string realtime_bench_table(const std::vector<RealtimeBenchRow>& rows, const RealtimeBenchOptions& options) {
+    std::string out = fmt::format("{}x{}, {} frames after {}, camera turning; GPU milliseconds\n", options.size.width, options.size.height, options.frames, options.warmup);
+    out += fmt::format("{:<28} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9} {:>10} {:>9} {:>9}\n", "scene", "gbuffer", "tiles", "cache", "light", "compose", "lighting", "rays/px", "live cells", "updated", "its rays");
+    for (const RealtimeBenchRow& row : rows)
+        out += fmt::format("{:<28} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>9.3f} {:>9.3f} {:>10.0f} {:>9.0f} {:>9.0f}\n", escape_name(row.scene), row.ms("gbuffer/"), row.ms("lights/"), row.ms("cache/"),
+                           row.ms("realtime/light"), row.ms("realtime/composite"), row.ms("lights/") + row.ms("cache/") + row.ms("realtime/"), row.rays_per_pixel, row.live_cells, row.updated_cells, row.cache_rays);
+    return out;
+}
+
+int run_realtime_bench_command(const OptionValues& values) {
+    const std::string json = values.given("--json") ? values.text("--json") : "";
+    check_json_target(json);
+    const gpu::DevicePtr device = gpu::Device::open({.selector = values.given("--device") ? values.text("--device") : ""});
+    const RealtimeBenchOptions options = read_realtime_bench_options(values, device->caps());
+    std::vector<RealtimeBenchRow> rows;
+    for (const std::string& scene : options.scenes) {
+        if (platform::interrupt_requested() != platform::Interrupt::None) break;
+        rows.push_back(run_realtime_bench(scene, options, device));
+    }
+    nlohmann::ordered_json out{{"schema", 1}, {"device", device->caps().name}, {"driver", device->caps().driver}, {"trace", gpu::trace_way_name(options.way)},
+                               {"size", {options.size.width, options.size.height}}, {"frames", options.frames}, {"rows", nlohmann::ordered_json::array()}};
+    for (const RealtimeBenchRow& row : rows) {
+        nlohmann::ordered_json entry{{"scene", row.scene}, {"rays_per_pixel", row.rays_per_pixel}, {"live_cells", row.live_cells}, {"updated_cells", row.updated_cells}, {"cache_rays", row.cache_rays}, {"cache_bytes", row.cache_bytes}};
+        for (const RealtimeBenchRow::PassMs& pass : row.passes) entry["passes"].push_back({{"name", pass.name}, {"ms", pass.ms}});
+        out["rows"].push_back(std::move(entry));
+    }
+    if (json != "-") print_result(realtime_bench_table(rows, options));
+    write_json(json, out);
+    const platform::Interrupt interrupt = platform::interrupt_requested();
+    if (interrupt == platform::Interrupt::None) return EXIT_SUCCESS;
+    return static_cast<int>(interrupt == platform::Interrupt::Terminated ? ErrorCode::Terminated : ErrorCode::Interrupted);
+}
+
+}  // namespace parhelion

@@ -1,0 +1,44 @@
+#pragma once
+// `parhelion bench realtime`: what a frame of the realtime renderer costs, pass by pass, while the camera moves.
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "session/options.h"
+#include "session/render_settings.h"
+
+namespace parhelion {
+
+struct RealtimeBenchOptions {
+    std::vector<std::string> scenes;
+    Size2 size{1920, 1080};
+    gpu::TraceWay way = gpu::TraceWay::Compute;
+    uint32_t warmup = 32, frames = 64;
+    RenderSettings settings;
+};
+
+// Means over the measured frames.
+struct RealtimeBenchRow {
+    std::string scene;
+    struct PassMs {
+        std::string name;
+        double ms = 0;
+    };
+    std::vector<PassMs> passes;  // of the frame, in its order; those of the film's upkeep left out
+    double ms(std::string_view prefix) const;
+    double rays_per_pixel = 0;   // of the identity, of the paths and of their light
+    double cache_rays = 0;       // of the cache's update, a frame
+    double live_cells = 0, updated_cells = 0;
+    uint64_t cache_bytes = 0;
+};
+
+// From `bench realtime ...`: frames by --spp. Throws a usage Error for options that other suites have.
+RealtimeBenchOptions read_realtime_bench_options(const OptionValues& values, const gpu::DeviceCaps& caps);
+RealtimeBenchRow run_realtime_bench(const std::string& scene, const RealtimeBenchOptions& options, const gpu::DevicePtr& device);
+std::string realtime_bench_table(const std::vector<RealtimeBenchRow>& rows, const RealtimeBenchOptions& options);
+
+// The command, from opening the device to printing. Returns the exit code.
+int run_realtime_bench_command(const OptionValues& values);
+
+}  // namespace parhelion

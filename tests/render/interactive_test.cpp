@@ -1,0 +1,116 @@
+// A scene that a person looks at, frame by frame, without a window.
+#include "session/interactive.h"
+
+#include "base/error.h"
+#include "image/film.h"
+#include "support/gpu_fixture.h"
+#include "support/process.h"
+#include "support/render_fixture.h"
+
+namespace parhelion::testing {
+namespace {
+
+class InteractiveScene : public GpuTest {
+protected:
+    static RenderOptions cornell(uint64_t samples) {
+        RenderOptions options;
+        options.scene = "builtin:cornell";
+        options.size = {24, 18};
+        options.samples = {0, samples};
+        options.exposure_ev = -1;
+        options.trace = TraceChoice::Compute;
+        return options;
+    }
+    // Frames until the picture rests; the last canvas.
+    std::vector<uint8_t> draw(Interactive& session) {
+        gpu::Buffer copy;
+        for (int frame = 0; frame < 2000; ++frame) {
+            const gpu::Image canvas = session.record();
+            copy = session.frame().read_back(canvas);
+            session.finish();
+            EXPECT_TRUE(session.frame().complaints().empty()) << session.frame().complaints().front();
+            if (session.is_finished()) break;
+        }
+        EXPECT_TRUE(session.is_finished());
+        const auto bytes = copy.mapped_as<uint8_t>();
+        return {bytes.begin(), bytes.end()};
+    }
+    static double mean(const std::vector<uint8_t>& picture) {
+        double sum = 0;
+        for (size_t i = 0; i < picture.size(); ++i) sum += i % 4 == 3 ? 0 : picture[i];
+        return sum / (0.75 * double(picture.size()));
+    }
+};
+
+TEST_F(InteractiveScene, every_renderer_comes_to_rest_with_a_picture_and_the_same_one_again) {
+    Interactive session(cornell(3), device());
+    const std::vector<uint8_t> reference = draw(session);
+    EXPECT_EQ(session.samples(), 3u);
+    EXPECT_GT(mean(reference), 20.0);
+    session.set_renderer(RendererKind::Wavefront);
+    EXPECT_EQ(session.samples(), 0u);
+    EXPECT_NEAR(mean(draw(session)), mean(reference), 1.0);
+    session.set_renderer(RendererKind::Reference);
+    EXPECT_EQ(draw(session), reference);
+    SteeredCamera camera = session.camera();
+    camera.orbit(0.5f, 0);
+    session.set_camera(camera);
+    EXPECT_NE(draw(session), reference);
+    session.choose_camera("");
+    EXPECT_EQ(draw(session), reference);
+    session.resize({30, 18});
+    EXPECT_EQ(draw(session).size(), 30u * 18 * 4);
+    session.resize({24, 18});
+    EXPECT_EQ(draw(session), reference);
+    session.reload();
+    EXPECT_EQ(draw(session), reference);
+}
+
+// What is refused leaves no trace.
+TEST_F(InteractiveScene, settings_that_do_not_fit_are_refused_and_change_nothing) {
+    Interactive session(cornell(2), device());
+    const std::vector<uint8_t> before = draw(session);
+    RenderSettings settings = session.settings();
+    settings.shade_in = ShadeIn::ClosestHit;  // needs --trace pipeline
+    EXPECT_THROW(session.set_settings(settings), Error);
+    EXPECT_EQ(session.settings().shade_in, ShadeIn::Raygen);
+    EXPECT_EQ(draw(session), before);
+    settings = session.settings();
+    settings.sampler = SamplerKind::Pcg;
+    session.set_settings(settings);
+    EXPECT_NE(draw(session), before);
+    settings.sampler = SamplerKind::Owen;
+    settings.node_layout = NodeLayout::Binary;  // makes the scene on the device anew
+    session.set_settings(settings);
+    EXPECT_EQ(draw(session).size(), before.size());
+}
+
+// A layer is shown as it is: every white wall is as bright as its albedo says.
+TEST_F(InteractiveScene, layers_are_shown_without_exposure) {
+    Interactive session(cornell(2), device());
+    session.set_layer("albedo");
+    const std::vector<uint8_t> dark = draw(session);
+    session.show.exposure_ev = 12;
+    EXPECT_EQ(draw(session), dark);
+    session.set_layer("");
+    EXPECT_NE(draw(session), dark);
+}
+
+TEST_F(InteractiveScene, a_scene_that_cannot_be_read_again_stays_as_it_was) {
+    TemporaryFolder folder;
+    RenderOptions options = cornell(1);
+    options.scene = folder.file("scene.glb");
+    Interactive missing(options, device());
+    EXPECT_THROW(draw(missing), Error);
+
+    ASSERT_EQ(run_parhelion({"export", "builtin:cornell", "--out", options.scene}).exit_code, 0);
+    Interactive session(options, device());
+    const std::vector<uint8_t> before = draw(session);
+    std::filesystem::resize_file(options.scene, 100);
+    session.reload();
+    EXPECT_EQ(draw(session), before);
+    EXPECT_NE(session.note().find("scene.glb"), std::string::npos) << session.note();
+}
+
+}  // namespace
+}  // namespace parhelion::testing

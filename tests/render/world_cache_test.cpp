@@ -1,0 +1,244 @@
+// What the world cache says of real light, against closed forms and against paths without it.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "passes/cache/cache.h"
+#include "scene/builtin/scenes.h"
+#include "scene/shapes.h"
+#include "session/scene_setup.h"
+#include "support/render_fixture.h"
+
+namespace parhelion::testing {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+// A view that looks at cells: a frame of the cache, then every pixel asks once (tests/device/shaders/cache_probe.trace).
+class Watcher {
+public:
+    Watcher(Stage& stage, gpu::TraceWay way, const CacheOptions& options, float footprint, uint32_t size = 16, const std::string& camera = {})
+        : cache(stage.frame.device(), options), stage_(stage), way_(way), footprint_(footprint), size_(size), view_(make_view(camera)) {}
+
+    // Irradiance at what each pixel sees; w: whether anything is known.
+    std::vector<glm::vec4> step() {
+        next.view = view_.film().view;
+        view_.prepare(stage_.frame);
+        stage_.scene_gpu.finish(stage_.frame);
+        passes::update_cache(stage_.frame, stage_.scene_gpu, way_, cache, next);
+        ++next.frame_index;
+        return look(cache.options().life, 0);
+    }
+    // Only looks, from another camera at the same cells.
+    std::vector<glm::vec4> look_from(const std::string& camera, uint32_t life) {
+        View own = make_view(camera);
+        std::swap(own, view_);
+        view_.prepare(stage_.frame);
+        std::vector<glm::vec4> found = look(life, 0);
+        std::swap(own, view_);
+        return found;
+    }
+    std::vector<glm::vec4> brute_force(uint32_t samples) {
+        view_.prepare(stage_.frame);
+        stage_.scene_gpu.finish(stage_.frame);
+        return look(0, samples);
+    }
+    // The mean of what `frames` further frames say, pixel by pixel, where each of them knew something.
+    std::vector<glm::vec4> average(uint32_t frames) {
+        std::vector<glm::vec4> sum = step();
+        for (uint32_t i = 1; i < frames; ++i) {
+            const std::vector<glm::vec4> found = step();
+            for (size_t p = 0; p < sum.size(); ++p) sum[p] += found[p];
+        }
+        for (glm::vec4& p : sum) p /= float(frames);
+        return sum;
+    }
+
+    LightCache cache;
+    passes::CacheFrame next{.frame_index = 1, .exposure = 0.25f};
+
+private:
+    View make_view(const std::string& name) {
+        ViewDesc desc{.width = size_, .height = size_, .filter = PixelFilter::Point, .roulette_start = 4};
+        const Camera* chosen = nullptr;
+        for (const auto& entry : stage_.scene.cameras())
+            if (!chosen || entry.value.name == name) chosen = &entry.value;
+        desc.camera = shader_camera(view_of(*chosen, 1.0f), 1.0f);
+        return {stage_.frame.device(), desc};
+    }
+    std::vector<glm::vec4> look(uint32_t life, uint32_t samples) {
+        struct Push {
+            uint64_t view, found, cache;
+            uint32_t frame_index, life, samples;
+            float footprint;
+        };
+        const gpu::Buffer found(stage_.frame.device(), "test/found", uint64_t{size_} * size_ * sizeof(glm::vec4));
+        stage_.frame.trace("device/cache_probe", way_)
+            .scene(stage_.scene_gpu.binding())
+            .read("view", view_.film().view)
+            .write("found", found)
+            .read_write("cache", cache.buffer())
+            .push(Push{.frame_index = next.frame_index, .life = life, .samples = samples, .footprint = footprint_})
+            .over(size_, size_);
+        const gpu::Buffer copy = stage_.frame.read_back(found);
+        stage_.frame.run();
+        const auto all = copy.mapped_as<glm::vec4>();
+        return {all.begin(), all.end()};
+    }
+
+    Stage& stage_;
+    gpu::TraceWay way_;
+    float footprint_;
+    uint32_t size_;
+    View view_;
+};
+
+class WorldCache : public GpuTest {
+protected:
+    void SetUp() override {
+        GpuTest::SetUp();
+        if (!IsSkipped() && !LightCache::supported(device()->caps())) GTEST_SKIP() << "no 64-bit atomics on buffers";
+    }
+    static double luminance(glm::vec4 v) { return 0.2126 * v.x + 0.7152 * v.y + 0.0722 * v.z; }
+    // Mean over pixels that know something.
+    static double mean(const std::vector<glm::vec4>& found) {
+        double sum = 0;
+        size_t count = 0;
+        for (const glm::vec4& p : found)
+            if (p.w > 0) sum += luminance(p), ++count;
+        return count ? sum / double(count) : 0;
+    }
+    static std::vector<double> known_values(const std::vector<glm::vec4>& found) {
+        std::vector<double> out;
+        for (const glm::vec4& p : found)
+            if (p.w > 0.999f) out.push_back(luminance(p));
+        return out;
+    }
+    static CacheOptions small() { return {.cells = 1u << 13}; }
+};
+
+// A convex body in constant light of 0.5 nits: pi / 2 everywhere, whatever it reflects. False alarms: five standard errors.
+TEST_F(WorldCache, a_sphere_in_constant_light_has_the_irradiance_that_it_must) {
+    for (const gpu::TraceWay way : kWays) {
+        if (!device()->caps().supports(way)) continue;
+        Watcher watcher(builtin_stage("builtin:furnace"), way, small(), 0.5f);
+        for (int frame = 0; frame < 24; ++frame) watcher.step();
+        expect_mean(known_values(watcher.average(8)), kPi / 2, 0.03, std::string(gpu::trace_way_name(way)));
+    }
+}
+
+// A closed room of albedo a whose walls emit e: pi e / (1 - a), by way of the cache alone beyond the first bounces.
+TEST_F(WorldCache, a_closed_room_that_glows_comes_to_the_sum_of_all_bounces) {
+    Watcher watcher(builtin_stage("builtin:diffuse-box"), gpu::TraceWay::Compute, small(), 1.0f);
+    for (int frame = 0; frame < 56; ++frame) watcher.step();
+    expect_mean(known_values(watcher.average(8)), kPi, 0.03, "a = 0.5, e = 0.5");
+}
+
+TEST_F(WorldCache, the_cornell_box_agrees_with_paths_that_do_not_use_it) {
+    Watcher watcher(builtin_stage("builtin:cornell"), gpu::TraceWay::Compute, small(), 0.5f, 24);
+    const std::vector<glm::vec4> truth = watcher.brute_force(128);
+    for (int frame = 0; frame < 48; ++frame) watcher.step();
+    const std::vector<glm::vec4> found = watcher.average(16);
+    // Budget of the cache: 3 % in the mean; a ratio of means over 576 points, whose own error is about 0.5 %.
+    EXPECT_NEAR(mean(found) / mean(truth), 1.0, 0.03);
+    for (int c = 0; c < 3; ++c) {
+        double a = 0, b = 0;
+        for (size_t p = 0; p < truth.size(); ++p)
+            if (truth[p].w > 0) a += found[p][c], b += truth[p][c];
+        EXPECT_NEAR(a / b, 1.0, 0.04) << "channel " << c;
+    }
+    size_t unknown = 0;
+    for (size_t p = 0; p < truth.size(); ++p) unknown += truth[p].w > 0 && found[p].w < 0.999f;
+    EXPECT_EQ(unknown, 0u);
+    const CacheStats stats = watcher.cache.read_stats(builtin_stage("builtin:cornell").frame);
+    EXPECT_EQ(stats.refused, 0u);
+    EXPECT_LE(double(stats.path_rays + stats.shadow_rays) / stats.updated, 3.0) << "rays an update, at rest";
+}
+
+// The inside of the dark boxes while the room around them is lit and looked at: brighter than a thousandth of it nowhere, in no frame.
+TEST_F(WorldCache, nothing_leaks_into_a_box_with_walls_of_a_centimetre) {
+    Stage& stage = builtin_stage("builtin:leak-box");
+    for (const float footprint : {0.5f, 2.0f}) {
+        Watcher watcher(stage, gpu::TraceWay::Compute, {.cells = 1u << 14}, footprint, 16, "outside");
+        double outside = 0, inside = 0;
+        for (int frame = 0; frame < 48; ++frame) {
+            outside = std::max(outside, mean(watcher.step()));
+            for (const char* camera : {"inside 1 cm", "inside 5 cm"})
+                for (const glm::vec4& p : watcher.look_from(camera, watcher.cache.options().life)) inside = std::max(inside, luminance(p));
+        }
+        EXPECT_GT(outside, 10.0);
+        EXPECT_LE(inside, 1e-3 * outside) << footprint;
+    }
+}
+
+// A lamp goes out: what is left of its light in the mean.
+TEST_F(WorldCache, a_lamp_that_goes_out_is_forgotten_in_a_few_frames) {
+    LoadedScene loaded = make_builtin("builtin:leak-box");
+    Stage stage(std::move(loaded.scene));
+    Watcher watcher(stage, gpu::TraceWay::Compute, {.cells = 1u << 13}, 1.0f, 16, "outside");
+    for (int frame = 0; frame < 24; ++frame) watcher.step();
+    const double before = mean(watcher.step());
+    stage.step(loaded.scripted_edits[0].apply(stage.scene, 1.5));
+    watcher.next.lights_changed = true;
+    std::vector<double> left;
+    for (int frame = 0; frame < 24; ++frame) {
+        left.push_back(mean(watcher.step()) / before);
+        watcher.next.lights_changed = false;
+    }
+    EXPECT_LE(left[7], 0.10);
+    EXPECT_LE(left[23], 0.01);
+    // And comes on again.
+    stage.step(loaded.scripted_edits[0].apply(stage.scene, 0.0));
+    watcher.next.lights_changed = true;
+    double now = 0;
+    for (int frame = 0; frame < 16; ++frame) {
+        now = mean(watcher.step());
+        watcher.next.lights_changed = false;
+    }
+    EXPECT_NEAR(now / before, 1.0, 0.1);
+}
+
+// Light that comes by way of a mirror: a ground beside a silver wall under a plain sky has what an open ground has, but for what silver swallows.
+TEST_F(WorldCache, what_metals_send_on_is_neither_lost_nor_made_diffuse) {
+    const auto make = [](bool wall) {
+        SceneEdit edit;
+        Primitive ground;
+        add_quad(ground, {-2.0f, 0.0f, 2.0f}, {4.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -4.0f});
+        builtin::add_object(edit, "ground", std::move(ground), edit.add(builtin::lambert("ground", glm::vec3(0.3f))));
+        if (wall) {
+            Material silver = builtin::lambert("silver", glm::vec3(1.0f));
+            silver.metallic = 1.0f;
+            silver.specular = 1.0f;
+            silver.roughness = 0.0f;
+            silver.double_sided = true;
+            Primitive mirror;
+            add_quad(mirror, {-20.0f, 0.0f, -0.5f}, {40.0f, 0.0f, 0.0f}, {0.0f, 20.0f, 0.0f});
+            builtin::add_object(edit, "mirror", std::move(mirror), edit.add(silver));
+        }
+        edit.set_environment(Environment{.scale = glm::vec3(1.0f)});
+        builtin::add_camera(edit, "above", {0.0f, 0.6f, 0.6f}, {0.0f, 0.0f, 0.1f}, glm::radians(40.0f));
+        return make_scene(std::move(edit));
+    };
+    for (const bool wall : {false, true}) {
+        Stage stage(make(wall));
+        Watcher watcher(stage, gpu::TraceWay::Compute, small(), 0.25f);
+        for (int frame = 0; frame < 32; ++frame) watcher.step();
+        expect_mean(known_values(watcher.average(16)), kPi, 0.03, wall ? "beside a mirror" : "alone");
+    }
+}
+
+TEST_F(WorldCache, the_same_frames_give_the_same_bits_with_and_without_full_barriers) {
+    std::vector<std::vector<glm::vec4>> runs;
+    for (const bool full_barriers : {false, false, true}) {
+        Stage stage(make_builtin("builtin:cornell").scene, {}, {.full_barriers = full_barriers});
+        Watcher watcher(stage, gpu::TraceWay::Compute, {.cells = 1u << 11}, 0.25f);
+        for (int frame = 0; frame < 7; ++frame) watcher.step();
+        runs.push_back(watcher.step());
+        EXPECT_TRUE(stage.frame.complaints().empty());
+    }
+    EXPECT_EQ(runs[0], runs[1]);
+    EXPECT_EQ(runs[0], runs[2]);
+}
+
+}  // namespace
+}  // namespace parhelion::testing
