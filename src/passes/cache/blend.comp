@@ -1,7 +1,7 @@
 #version 460
 // Blends what the update's rays found into the cells that asked: running means that forget the faster, the more surely their light has
-// changed. Boissé, Doyon, Harada and others 2022, "GI-1.0: A Fast Scalable Two-Level Radiance Caching Scheme for Real-Time Global
-// Illumination", with document 004's exponent; that a change must stand out of the cell's own noise is ours.
+// changed. Boissé and others 2022, "GI-1.0: A Fast Scalable Two-Level Radiance Caching Scheme for Real-Time Global Illumination", after
+// document 004; that a change must stand out of the cell's own noise is ours.
 // Reads and writes: cache.
 #extension GL_GOOGLE_include_directive : require
 #include "cache/cells.glsl"
@@ -14,12 +14,14 @@ layout(push_constant, scalar) uniform Push {
 
 const float kChangeRate = 1.0 / 8.0;
 
-// The count at which a mean stops growing steadier.
+// The count at which a mean stops growing steadier. Whatever shortens means when a bright sample has just raised them makes them too dark on
+// average: so a trend must stand out of the noise by far, and shortens them to a few samples, not to one.
 float count_limit(CacheMoments moments) {
-    // A running mean of rate r of independent numbers has r / (2 - r) of their variance; two and a half deviations of it are noise.
-    const float noise = 2.5 * sqrt(moments.spread * (kChangeRate / (2.0 - kChangeRate)));
-    const float change = clamp(abs(moments.change) - noise, 0.0, 1.0);
-    return mix(float(push.cache.v.most_samples), 1.0, pow(change, 1.0 / 8.0));
+    const float kDeviations = 3.0, kShortest = 4.0;
+    // A running mean of rate r of independent numbers has r / (2 - r) of their variance.
+    const float noise = kDeviations * sqrt(moments.spread * (kChangeRate / (2.0 - kChangeRate)));
+    const float change = clamp(abs(moments.change) - noise, 0.0, 1.0), most = float(push.cache.v.most_samples);
+    return mix(most, min(kShortest, most), sqrt(sqrt(change)));
 }
 
 void main() {
