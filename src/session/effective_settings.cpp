@@ -29,7 +29,7 @@ Json setting_value(const std::string& text) {
 Json effective_settings(const OptionValues& values) {
     Json out = {{"schema", 1}};
     for (const OptionSpec* option : options_of(values.command())) {
-        if ((option->bits & (kNotInPreset | kAbsent | kRepeats)) != 0) continue;
+        if ((option->bits & (kNotInPreset | kAbsent | kRepeats)) != 0 || !fits_renderer(values, *option)) continue;
         const std::string key(option->name.substr(2));
         if (option->kind == ValueKind::Flag)
             out[key] = values.flag(option->name);

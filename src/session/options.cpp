@@ -188,15 +188,18 @@ OptionValues parse_options(Command command, std::span<const std::string> words, 
     return values;
 }
 
+bool fits_renderer(const OptionValues& values, const OptionSpec& option) {
+    const auto names = split_choices(known_option(values.command(), "--renderer").choices);
+    const auto index = std::find(names.begin(), names.end(), values.text("--renderer")) - names.begin();
+    return (option.renderers & (1u << index)) != 0;
+}
+
 namespace {
 
 void check_renderer(const OptionValues& values) {
-    const std::string renderer = values.text("--renderer");
-    const auto names = split_choices(known_option(values.command(), "--renderer").choices);
-    const auto index = std::find(names.begin(), names.end(), renderer) - names.begin();
     for (const OptionSpec* spec : options_of(values.command()))
-        if (values.given(spec->name) && (spec->renderers & (1u << index)) == 0)
-            throw Error(ErrorCode::Usage, fmt::format("it does not fit --renderer {}", renderer), values.where(spec->name),
+        if (values.given(spec->name) && !fits_renderer(values, *spec))
+            throw Error(ErrorCode::Usage, fmt::format("it does not fit --renderer {}", values.text("--renderer")), values.where(spec->name),
                         std::string(spec->instead));
 }
 

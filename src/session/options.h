@@ -59,4 +59,7 @@ std::vector<OptionValues::Given> parse_preset(std::string_view json_text, std::s
 // Where a failing run should write its error as JSON, found without parsing the rest: "" nowhere, "-" stdout, else a file.
 std::string find_json_target(Command command, std::span<const std::string> words);
 
+// Whether the renderer that the values of a command with --renderer name has this option.
+bool fits_renderer(const OptionValues& values, const OptionSpec& option);
+
 }  // namespace parhelion

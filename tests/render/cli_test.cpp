@@ -98,7 +98,7 @@ TEST_F(Cli, wrong_usage_exits_with_2_and_leaves_nothing) {
     expect_error(run_parhelion(kSmall), 2, "render: there is no output (add --out F.exr or --out F.png)");
     expect_error(run_parhelion(kSmall + Words{"--out", file("a.bmp")}), 2, "is neither .exr nor .png");
     expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr"), "--size", "0x4"}), 2, "--size: 0x4 is out of range");
-    expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr"), "--renderer", "realtime"}), 2, "not built into this version");
+    expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr"), "--renderer", "realtime"}), 2, "--spp: it does not fit --renderer realtime (use --frames N");
     expect_error(run_parhelion({"render", "builtin:cornell", "--out", file("a.exr"), "--frames", "3"}), 2,
                  "--out: a path tracer's frames are pictures of their own (name them --out NAME.####.exr)");
     expect_error(run_parhelion(kSmall + Words{"--out", file("a.exr"), "--set", "sampler.kin=pcg"}), 2,
@@ -415,7 +415,7 @@ TEST_F(CliRender, a_device_without_ray_tracing_traces_by_compute_and_says_so) {
     ASSERT_EQ(automatic.exit_code, 0) << automatic.err;
     EXPECT_EQ(automatic.json()["trace"], "compute");
     for (const std::string way : {"pipeline", "query"}) expect_error(run_parhelion(kSmall + Words{"--trace", way, "--out", file("b.exr")}, masked), 3, "cannot trace by " + way);
-    expect_error(run_parhelion(kSmall + Words{"--out", file("b.exr")}, {.environment = {{"PARHELION_MASK", "queries"}}}), 2, "'queries' is no way to trace");
+    expect_error(run_parhelion(kSmall + Words{"--out", file("b.exr")}, {.environment = {{"PARHELION_MASK", "queries"}}}), 2, "'queries' cannot be masked");
     EXPECT_EQ(folder.names(), std::vector<std::string>{"a.exr"});
 }
 
