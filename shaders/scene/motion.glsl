@@ -2,6 +2,7 @@
 #ifndef PARHELION_SCENE_MOTION_GLSL
 #define PARHELION_SCENE_MOTION_GLSL
 #include "lib/projection.glsl"
+#include "scene/previous.glsl"
 #include "scene/surface.glsl"
 
 // Motion of the surface's point with its instance and the camera. The same arithmetic for both moments: what stands still has 0.
@@ -14,7 +15,7 @@ vec2 surface_motion(ViewData view, Surface s) {
     const vec3 p = interpolate(weights, positions.v[index.x], positions.v[index.y], positions.v[index.z]);
     vec3 ignored;
     const vec3 now_ws = transform_point_precise(instance.world_from_object, p, vec3(0.0), ignored);
-    const vec3 before_ws = transform_point_precise(instance.world_from_object_before, p, vec3(0.0), ignored);
+    const vec3 before_ws = transform_point_precise(placement_before(s.instance), p, vec3(0.0), ignored);
     const vec2 size_px = vec2(view.width, view.height);
     return film_motion(project_point(view.camera_before, before_ws, size_px), project_point(view.camera, now_ws, size_px));
 }

@@ -136,7 +136,6 @@ TEST_F(FramesJob, the_mean_of_realtime_frames_is_that_of_those_after_the_warm_up
 
 TEST_F(FramesJob, out_of_time_a_sequence_ends_with_a_whole_frame) {
     RenderOptions job = options("builtin:cornell", "spin", {.frames = {0, 10000}, .fps = 30});
-    job.samples = {0, 1536};  // of several slices
     job.time_budget_seconds = 0.5;
     const RenderReport report = run(job);
     EXPECT_TRUE(report.out_of_time);
