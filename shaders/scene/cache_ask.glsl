@@ -120,7 +120,7 @@ CacheAnswer cache_read(Cache cache, uint slot) {
     return CacheAnswer(cache_unpack_irradiance(CacheWords64(cache.v.irradiance).v[slot]), float(moments.count));
 }
 
-// Which of the levels above its own a point asks for a cell too: one in four for the first, one in sixteen for the second.
+// Whether a point asks for a cell of a level above its own too: one in four does, for the first.
 bool cache_wants_parent(CachePoint at, uint above) {
     const uint h = pcg_hash(floatBitsToUint(at.u) ^ 0x50415245u);
     return (h & ((1u << (2u * above)) - 1u)) == 0u;

@@ -5,7 +5,7 @@
 SHARED_BEGIN
 
 SHARED_CONST uint kCacheBucket = 32u;        // slots that a key may lie in
-SHARED_CONST uint kCacheParents = 2u;        // levels above a cell's own that answer for it
+SHARED_CONST uint kCacheParents = 1u;        // levels above a cell's own that answer for it; more would reach through thicker walls
 SHARED_CONST uint kCacheYoung = 4u;          // count from which a cell answers alone
 SHARED_CONST uint kCacheSteady = 8u;         // count from which paths of the update end in a cell while they may still go on
 SHARED_CONST uint kCacheMostLife = 63u;      // frames; the claim has 6 bits for it

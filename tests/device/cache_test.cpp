@@ -81,15 +81,18 @@ TEST_F(CacheTables, levels_normals_and_owners_have_cells_of_their_own) {
     EXPECT_EQ(known(bench.step(asks)), asks.size());
 }
 
-TEST_F(CacheTables, a_million_cells_all_live_and_are_all_found) {
+// In a table of twice as many slots: buckets hold 15 of 32 on average, and a few in 65,536 more than they can.
+TEST_F(CacheTables, a_million_cells_live_and_are_found) {
     CacheBench bench(plain(1u << 21));
     const std::vector<CacheAsk> asks = ground(1000);
     bench.step(asks);
-    EXPECT_EQ(known(bench.step(asks)), bench.stats().updated);
+    const std::vector<CacheAnswer> answers = bench.step(asks);
     const CacheStats stats = bench.stats();
-    EXPECT_EQ(stats.live, 1000000u);
-    EXPECT_EQ(stats.rejected + stats.refused, 0u);
-    EXPECT_EQ(bench.table().cells().size(), 1000000u);
+    EXPECT_EQ(known(answers), stats.updated);
+    EXPECT_GE(stats.live, 999500u);
+    EXPECT_LE(stats.rejected + stats.refused, 1000u);
+    EXPECT_EQ(found(answers), stats.born);
+    EXPECT_EQ(bench.table().cells().size(), stats.live);
     EXPECT_LE(bench.cache.bytes(), uint64_t{40} * bench.cache.slot_count());
 }
 
@@ -206,7 +209,7 @@ TEST_F(CacheTables, a_new_exposure_rescales_what_is_stored) {
     }
 }
 
-TEST_F(CacheTables, a_cell_without_samples_is_answered_for_by_the_levels_above) {
+TEST_F(CacheTables, a_cell_without_samples_is_answered_for_by_the_level_above) {
     CacheBench bench(plain());
     CacheAsk parent{.position_ws = {0.1f, 0.0f, 0.1f}, .footprint = 2.0f};
     bench.irradiance = glm::vec3(4.0f);
@@ -225,14 +228,14 @@ TEST_F(CacheTables, a_cell_without_samples_is_answered_for_by_the_levels_above) 
     EXPECT_FALSE(bench.step({elsewhere})[0].known);
 }
 
-TEST_F(CacheTables, some_askings_bring_in_the_levels_above_too) {
+TEST_F(CacheTables, some_askings_bring_in_the_level_above_too) {
     CacheBench bench(plain());
     std::vector<CacheAsk> asks;
     for (int i = 0; i < 256; ++i) asks.push_back({.position_ws = {0.1f, 0.0f, 0.1f}, .u = float(i) / 256.0f});
     bench.step(asks);
     std::set<uint32_t> levels;
     for (const auto& [key, cell] : bench.table().cells()) levels.insert(shared::cache_key_level(key));
-    EXPECT_EQ(levels, (std::set<uint32_t>{13, 14, 15}));
+    EXPECT_EQ(levels, (std::set<uint32_t>{13, 14}));
 }
 
 // Points of one cell, in three orders: the same one stands for it, and another in another frame.

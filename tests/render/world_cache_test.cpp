@@ -114,7 +114,7 @@ protected:
             if (p.w > 0.5f) out.push_back(luminance(p));
         return out;
     }
-    static CacheOptions small() { return {.cells = 1u << 13}; }
+    static CacheOptions small() { return {.cells = 1u << 15}; }
 };
 
 // A convex body in constant light of 0.5 nits: pi / 2 everywhere, whatever it reflects. False alarms: five standard errors.
@@ -160,7 +160,7 @@ TEST_F(WorldCache, the_cornell_box_agrees_with_paths_that_do_not_use_it) {
 TEST_F(WorldCache, nothing_leaks_into_a_box_with_walls_of_a_centimetre) {
     Stage& stage = builtin_stage("builtin:leak-box");
     for (const float footprint : {0.5f, 2.0f}) {
-        Watcher watcher(stage, gpu::TraceWay::Compute, {.cells = 1u << 14}, footprint, 16, "outside");
+        Watcher watcher(stage, gpu::TraceWay::Compute, {.cells = 1u << 15}, footprint, 16, "outside");
         double outside = 0, inside = 0;
         for (int frame = 0; frame < 48; ++frame) {
             outside = std::max(outside, mean(watcher.step()));
@@ -176,7 +176,7 @@ TEST_F(WorldCache, nothing_leaks_into_a_box_with_walls_of_a_centimetre) {
 TEST_F(WorldCache, a_lamp_that_goes_out_is_forgotten_in_a_few_frames) {
     LoadedScene loaded = make_builtin("builtin:leak-box");
     Stage stage(std::move(loaded.scene));
-    Watcher watcher(stage, gpu::TraceWay::Compute, {.cells = 1u << 13}, 1.0f, 16, "outside");
+    Watcher watcher(stage, gpu::TraceWay::Compute, {.cells = 1u << 15}, 1.0f, 16, "outside");
     for (int frame = 0; frame < 24; ++frame) watcher.step();
     const double before = mean(watcher.step());
     stage.step(loaded.scripted_edits[0].apply(stage.scene, 1.5));

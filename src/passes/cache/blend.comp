@@ -12,16 +12,10 @@ layout(push_constant, scalar) uniform Push {
     Cache cache;
 } push;
 
-const float kChangeRate = 1.0 / 8.0;
-
-// The count at which a mean stops growing steadier. Whatever shortens means when a bright sample has just raised them makes them too dark on
-// average: so a trend must stand out of the noise by far, and shortens them to a few samples, not to one.
+// The count at which a mean stops growing steadier: a trend shortens it to a few samples, not to one.
 float count_limit(CacheMoments moments) {
-    const float kDeviations = 3.0, kShortest = 4.0;
-    // A running mean of rate r of independent numbers has r / (2 - r) of their variance.
-    const float noise = kDeviations * sqrt(moments.spread * (kChangeRate / (2.0 - kChangeRate)));
-    const float change = clamp(abs(moments.change) - noise, 0.0, 1.0), most = float(push.cache.v.most_samples);
-    return mix(most, min(kShortest, most), sqrt(sqrt(change)));
+    const float kShortest = 4.0, most = float(push.cache.v.most_samples);
+    return mix(most, min(kShortest, most), sqrt(sqrt(cache_trend(moments))));
 }
 
 void main() {
@@ -38,7 +32,7 @@ void main() {
     const float limit = max(count_limit(moments), 1.0), rate = moments.count == 0u ? 1.0 : 1.0 / min(float(moments.count) + 0.5, limit);
     const vec3 after = mix(before, found, rate);
     const float mean_before = luminance(before), mean = luminance(after), sampled = luminance(found);
-    if (moments.count > 0u) moments.change = mix(moments.change, clamp((sampled - mean_before) / max(mean_before, 1e-20), -4.0, 4.0), kChangeRate);
+    if (moments.count > 0u) moments.change = mix(moments.change, clamp((sampled - mean_before) / max(mean_before, 1e-20), -4.0, 4.0), kCacheChangeRate);
     const float square = mix((1.0 + moments.spread) * mean_before * mean_before, sampled * sampled, rate);
     moments.spread = moments.count == 0u ? 1.0 : max(square / max(mean * mean, 1e-30) - 1.0, 0.0);
     moments.count = moments.count == 0u ? 1u : min(moments.count + (random.z >> 31), uint(limit + 0.5));

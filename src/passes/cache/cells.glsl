@@ -9,12 +9,23 @@
 // How often a class of cells is updated, before the budget bounds it.
 float cache_class_rate(uint priority) { return exp2(-float(priority) / 3.0); }
 
+const float kCacheChangeRate = 1.0 / 8.0;
+
+// The part of a cell's trend that cannot be its noise. Whatever favours cells that a bright sample has just raised, as noise alone would,
+// makes the cache too dark on average.
+float cache_trend(CacheMoments moments) {
+    const float kDeviations = 3.0;
+    // A running mean of rate r of independent numbers has r / (2 - r) of their variance.
+    const float noise = kDeviations * sqrt(moments.spread * (kCacheChangeRate / (2.0 - kCacheChangeRate)));
+    return clamp(abs(moments.change) - noise, 0.0, 1.0);
+}
+
 // What is to be known soon comes first: cells that a pixel saw, young ones, those whose light changes, noisy ones; coarse ones later.
 uint cache_class(CacheMoments moments, uint life, uint full_life, uint level) {
     const float kHighest = 12.0;
     float octaves = life + 1u >= full_life ? 2.0 : 0.0;
     octaves += 4.0 * (1.0 - min(float(moments.count) / float(kCacheYoung), 1.0));
-    octaves += min(log2(1.0 + 16.0 * abs(moments.change)), 4.0);
+    octaves += log2(1.0 + 15.0 * cache_trend(moments));
     octaves += moments.count == 0u ? 2.0 : min(log2(1.0 + sqrt(moments.spread / float(moments.count)) * 4.0), 2.0);
     octaves -= 0.25 * float(level);
     return min(uint(max((kHighest - octaves) * 3.0, 0.0)), kCachePriorities - 1u);
