@@ -73,7 +73,7 @@ void expect_equivalent(const std::map<std::string, Runs>& test, const std::map<s
 
 TEST_F(RealtimePicture, with_tiles_every_class_has_the_mean_of_the_reference) {
     // What 32 runs of 32 frames resolve; `truth` has closer margins and the other scenes.
-    for (const auto& [name, margin] : {std::pair("builtin:cornell", 0.02), std::pair("builtin:spheres", 0.04), std::pair("builtin:leak-box", 0.02)}) {
+    for (const auto& [name, margin] : {std::pair("builtin:cornell", 0.02), std::pair("builtin:spheres", 0.06), std::pair("builtin:leak-box", 0.02)}) {
         SCOPED_TRACE(name);
         Stage& stage = builtin_stage(name);
         const auto reference = runs_of(32, 1000, [&](uint32_t seed) {
