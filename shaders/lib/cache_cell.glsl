@@ -35,9 +35,18 @@ SHARED_FN uint64_t cache_old_claim(uint64_t claim, uint life, uint64_t salt) {
 
 SHARED_FN uint cache_steps(float x, uint most) { return uint(min(max(x, 0.0f), float(most))); }
 
-SHARED_FN int cache_main_axis(vec3 n) {
-    const vec3 a = abs(n);
-    return a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+// A normal as two numbers from 0 to 1022, 511 in the middle. Its longest axis is decided in integers: floats of normals between two axes
+// might say one thing where a point is packed and another where it is read.
+SHARED_FN vec3 cache_packed_normal(uint nx, uint ny) { return cache_from_octahedral(vec2((float(nx) - 511.0f) * (1.0f / 511.0f), (float(ny) - 511.0f) * (1.0f / 511.0f))); }
+SHARED_FN int cache_main_axis(uint nx, uint ny) {
+    int x = abs(int(nx) - 511), y = abs(int(ny) - 511);
+    const int z = 511 - x - y;
+    if (z < 0) {
+        const int unfolded = 511 - y;
+        y = 511 - x;
+        x = unfolded;
+    }
+    return x >= y && x >= abs(z) ? 0 : y >= abs(z) ? 1 : 2;
 }
 
 // `origin_ws` already lies above the surface by its rounding errors. Its tangential coordinates are rounded towards `wo`, from where a
@@ -45,8 +54,7 @@ SHARED_FN int cache_main_axis(vec3 n) {
 SHARED_FN uint64_t cache_pack_point(vec3 origin_ws, vec3 n, vec3 wo, ivec3 cell, uint level) {
     const vec2 o = cache_octahedral(n);
     const uint nx = cache_steps(o.x * 511.0f + 511.5f, 1022u), ny = cache_steps(o.y * 511.0f + 511.5f, 1022u);
-    const vec3 rounded = cache_from_octahedral(vec2((float(nx) - 511.0f) * (1.0f / 511.0f), (float(ny) - 511.0f) * (1.0f / 511.0f)));
-    const int a = cache_main_axis(rounded), b = a == 2 ? 0 : a + 1, c = b == 2 ? 0 : b + 1;
+    const int a = cache_main_axis(nx, ny), b = a == 2 ? 0 : a + 1, c = b == 2 ? 0 : b + 1;
     const float inverse_size = 1.0f / cache_level_size(level);
     SHARED_PRECISE const vec3 local = origin_ws * inverse_size - vec3(float(cell.x), float(cell.y), float(cell.z));
     const float step = kCachePointRange / 2048.0f;
@@ -60,8 +68,8 @@ SHARED_FN uint64_t cache_pack_point(vec3 origin_ws, vec3 n, vec3 wo, ivec3 cell,
 SHARED_FN void cache_unpack_point(uint64_t point, ivec3 cell, uint level, SHARED_INOUT(vec3) origin_ws, SHARED_INOUT(vec3) n) {
     const uint sa = uint(point) & 32767u, sc = uint(point >> 15) & 2047u, sb = uint(point >> 26) & 2047u;
     const uint ny = uint(point >> 37) & 1023u, nx = uint(point >> 47) & 1023u;
-    n = cache_from_octahedral(vec2((float(nx) - 511.0f) * (1.0f / 511.0f), (float(ny) - 511.0f) * (1.0f / 511.0f)));
-    const int a = cache_main_axis(n), b = a == 2 ? 0 : a + 1, c = b == 2 ? 0 : b + 1;
+    n = cache_packed_normal(nx, ny);
+    const int a = cache_main_axis(nx, ny), b = a == 2 ? 0 : a + 1, c = b == 2 ? 0 : b + 1;
     vec3 local = vec3(kCachePointFrom);
     local[a] += float(sa) * (kCachePointRange / 32768.0f);
     local[b] += float(sb) * (kCachePointRange / 2048.0f);
