@@ -28,13 +28,13 @@ constexpr auto kPipeline = TraceWay::Pipeline, kQuery = TraceWay::Query, kComput
 // boxes a node.
 const DeviceClass kClasses[] = {
     {"CPU", [](const DeviceCaps& caps) { return caps.type == DeviceType::Cpu; }, kCompute, NodeLayout::Compact, false, 1u << 15},
-    {"GPU without ray tracing", [](const DeviceCaps& caps) { return !caps.ray_query && !caps.ray_pipeline; }, kCompute, NodeLayout::Four, true, 1u << 21},
-    {"NVIDIA without ray tracing cores", nvidia_without_cores, kCompute, NodeLayout::Four, true, 1u << 21},
-    {"NVIDIA", [](const DeviceCaps& caps) { return caps.vendor_id == kNvidia && caps.ray_query; }, kQuery, NodeLayout::Four, true, 1u << 21},
-    {"AMD", [](const DeviceCaps& caps) { return caps.vendor_id == kAmd && caps.ray_query; }, kQuery, NodeLayout::Four, true, 1u << 21},
-    {"Intel", [](const DeviceCaps& caps) { return caps.vendor_id == kIntel && caps.ray_query; }, kQuery, NodeLayout::Four, true, 1u << 21},
-    {"other with ray queries", [](const DeviceCaps& caps) { return caps.ray_query; }, kQuery, NodeLayout::Four, true, 1u << 21},
-    {"other", [](const DeviceCaps&) { return true; }, kPipeline, NodeLayout::Four, true, 1u << 21},
+    {"GPU without ray tracing", [](const DeviceCaps& caps) { return !caps.ray_query && !caps.ray_pipeline; }, kCompute, NodeLayout::Four, true, 1u << 22},
+    {"NVIDIA without ray tracing cores", nvidia_without_cores, kCompute, NodeLayout::Four, true, 1u << 22},
+    {"NVIDIA", [](const DeviceCaps& caps) { return caps.vendor_id == kNvidia && caps.ray_query; }, kQuery, NodeLayout::Four, true, 1u << 22},
+    {"AMD", [](const DeviceCaps& caps) { return caps.vendor_id == kAmd && caps.ray_query; }, kQuery, NodeLayout::Four, true, 1u << 22},
+    {"Intel", [](const DeviceCaps& caps) { return caps.vendor_id == kIntel && caps.ray_query; }, kQuery, NodeLayout::Four, true, 1u << 22},
+    {"other with ray queries", [](const DeviceCaps& caps) { return caps.ray_query; }, kQuery, NodeLayout::Four, true, 1u << 22},
+    {"other", [](const DeviceCaps&) { return true; }, kPipeline, NodeLayout::Four, true, 1u << 22},
 };
 
 }  // namespace
