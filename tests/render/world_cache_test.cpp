@@ -29,20 +29,6 @@ public:
         ++next.frame_index;
         return look(cache.options().life, 0);
     }
-    // Only looks, from another camera at the same cells.
-    std::vector<glm::vec4> look_from(const std::string& camera, uint32_t life) {
-        View own = make_view(camera);
-        std::swap(own, view_);
-        view_.prepare(stage_.frame);
-        std::vector<glm::vec4> found = look(life, 0);
-        std::swap(own, view_);
-        return found;
-    }
-    std::vector<glm::vec4> brute_force(uint32_t samples) {
-        view_.prepare(stage_.frame);
-        stage_.scene_gpu.finish(stage_.frame);
-        return look(0, samples);
-    }
     // The mean of what `frames` further frames say, pixel by pixel; w: the share of them that knew something.
     std::vector<glm::vec4> average(uint32_t frames) {
         std::vector<glm::vec4> sum = step();
@@ -134,44 +120,6 @@ TEST_F(WorldCache, a_closed_room_that_glows_comes_to_the_sum_of_all_bounces) {
     expect_mean(known_values(watcher.average(8)), kPi, 0.03, "a = 0.5, e = 0.5");
 }
 
-TEST_F(WorldCache, the_cornell_box_agrees_with_paths_that_do_not_use_it) {
-    Watcher watcher(builtin_stage("builtin:cornell"), gpu::TraceWay::Compute, small(), 0.5f, 24);
-    const std::vector<glm::vec4> truth = watcher.brute_force(128);
-    for (int frame = 0; frame < 48; ++frame) watcher.step();
-    const std::vector<glm::vec4> found = watcher.average(16);
-    // Budget of the cache: 3 % in the mean; a ratio of means over 576 points, whose own error is about 0.5 %.
-    EXPECT_NEAR(mean(found) / mean(truth), 1.0, 0.03);
-    for (int c = 0; c < 3; ++c) {
-        double a = 0, b = 0;
-        for (size_t p = 0; p < truth.size(); ++p)
-            if (truth[p].w > 0) a += found[p][c], b += truth[p][c];
-        EXPECT_NEAR(a / b, 1.0, 0.04) << "channel " << c;
-    }
-    double seen = 0, known = 0;
-    for (size_t p = 0; p < truth.size(); ++p) seen += truth[p].w, known += found[p].w;
-    EXPECT_GE(known / seen, 0.98) << "look-ups vary, so some meet a cell that is only now born";
-    const CacheStats stats = watcher.cache.read_stats(builtin_stage("builtin:cornell").frame);
-    EXPECT_EQ(stats.refused, 0u);
-    RecordProperty("live", int(stats.live));
-    EXPECT_LE(double(stats.path_rays + stats.shadow_rays) / stats.updated, 3.0) << "rays an update, at rest";
-}
-
-// The inside of the dark boxes while the room around them is lit and looked at: brighter than a thousandth of it nowhere, in no frame.
-TEST_F(WorldCache, nothing_leaks_into_a_box_with_walls_of_a_centimetre) {
-    Stage& stage = builtin_stage("builtin:leak-box");
-    for (const float footprint : {0.5f, 2.0f}) {
-        Watcher watcher(stage, gpu::TraceWay::Compute, {.cells = 1u << 15}, footprint, 16, "outside");
-        double outside = 0, inside = 0;
-        for (int frame = 0; frame < 48; ++frame) {
-            outside = std::max(outside, mean(watcher.step()));
-            for (const char* camera : {"inside 1 cm", "inside 5 cm"})
-                for (const glm::vec4& p : watcher.look_from(camera, watcher.cache.options().life)) inside = std::max(inside, luminance(p));
-        }
-        EXPECT_GT(outside, 10.0);
-        EXPECT_LE(inside, 1e-3 * outside) << footprint;
-    }
-}
-
 // A lamp goes out: what is left of its light in the mean.
 TEST_F(WorldCache, a_lamp_that_goes_out_is_forgotten_in_a_few_frames) {
     LoadedScene loaded = make_builtin("builtin:leak-box");
@@ -197,35 +145,6 @@ TEST_F(WorldCache, a_lamp_that_goes_out_is_forgotten_in_a_few_frames) {
         watcher.next.lights_changed = false;
     }
     EXPECT_NEAR(now / before, 1.0, 0.1);
-}
-
-// Light that comes by way of a mirror: a ground beside a silver wall under a plain sky has what an open ground has, but for what silver swallows.
-TEST_F(WorldCache, what_metals_send_on_is_neither_lost_nor_made_diffuse) {
-    const auto make = [](bool wall) {
-        SceneEdit edit;
-        Primitive ground;
-        add_quad(ground, {-2.0f, 0.0f, 2.0f}, {4.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -4.0f});
-        builtin::add_object(edit, "ground", std::move(ground), edit.add(builtin::lambert("ground", glm::vec3(0.3f))));
-        if (wall) {
-            Material silver = builtin::lambert("silver", glm::vec3(1.0f));
-            silver.metallic = 1.0f;
-            silver.specular = 1.0f;
-            silver.roughness = 0.0f;
-            silver.double_sided = true;
-            Primitive mirror;
-            add_quad(mirror, {-20.0f, 0.0f, -0.5f}, {40.0f, 0.0f, 0.0f}, {0.0f, 20.0f, 0.0f});
-            builtin::add_object(edit, "mirror", std::move(mirror), edit.add(silver));
-        }
-        edit.set_environment(Environment{.scale = glm::vec3(1.0f)});
-        builtin::add_camera(edit, "above", {0.0f, 0.6f, 0.6f}, {0.0f, 0.0f, 0.1f}, glm::radians(40.0f));
-        return make_scene(std::move(edit));
-    };
-    for (const bool wall : {false, true}) {
-        Stage stage(make(wall));
-        Watcher watcher(stage, gpu::TraceWay::Compute, small(), 0.25f);
-        for (int frame = 0; frame < 32; ++frame) watcher.step();
-        expect_mean(known_values(watcher.average(16)), kPi, 0.03, wall ? "beside a mirror" : "alone");
-    }
 }
 
 TEST_F(WorldCache, the_same_frames_give_the_same_bits_with_and_without_full_barriers) {
