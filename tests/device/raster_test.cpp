@@ -107,6 +107,17 @@ protected:
 
 }  // namespace
 
+// A device that lacks this too, besides what is masked already.
+gpu::DevicePtr open_without(const std::string& what) {
+    const char* before = std::getenv("PARHELION_MASK");
+    const std::string kept = before ? before : "";
+    setenv("PARHELION_MASK", kept.empty() ? what.c_str() : (kept + "," + what).c_str(), 1);
+    const gpu::DevicePtr device = gpu::Device::open({.validate = shared_device_validates()});
+    if (before) setenv("PARHELION_MASK", kept.c_str(), 1);
+    else unsetenv("PARHELION_MASK");
+    return device;
+}
+
 TEST_F(Raster, a_triangle_covers_the_pixels_whose_centres_it_holds_with_y_down) {
     // Its diagonal runs through no pixel's centre.
     const Picture picture = draw(half(-1, -1.0625f, 1, 0.9375f, 0.25f, {0, 1, 0, 1}), {.depth_test = gpu::DepthTest::Nearer}, {{.draw = {.vertex_count = 3, .first_instance = 7}}});
@@ -174,9 +185,7 @@ TEST_F(Raster, draws_come_from_buffers_as_many_as_they_say_with_or_without_the_d
     const Picture picture = draw_lists(frame);
     EXPECT_TRUE(frame.complaints().empty()) << frame.complaints().front();
     for (uint32_t i = 0; i < 4; ++i) EXPECT_EQ(picture.row(4 * i, 15), 10 + i);
-    setenv("PARHELION_MASK", "draw_count", 1);
-    const gpu::DevicePtr without = gpu::Device::open({.validate = shared_device_validates()});
-    unsetenv("PARHELION_MASK");
+    const gpu::DevicePtr without = open_without("draw_count");
     EXPECT_FALSE(without->caps().draw_indirect_count);
     Frame other(without, {}, test_shader_pack());
     EXPECT_EQ(draw_lists(other), picture);
@@ -229,9 +238,7 @@ TEST_F(Raster, outputs_and_resources_are_checked_by_name) {
 }
 
 TEST_F(Raster, a_device_without_it_says_so) {
-    setenv("PARHELION_MASK", "raster", 1);
-    const gpu::DevicePtr without = gpu::Device::open({.validate = shared_device_validates()});
-    unsetenv("PARHELION_MASK");
+    const gpu::DevicePtr without = open_without("raster");
     EXPECT_FALSE(without->caps().raster);
     EXPECT_FALSE(without->caps().draw_indirect_count);
     Frame frame(without, {}, test_shader_pack());
