@@ -52,7 +52,7 @@ struct RealtimeFrame {
     uint candidates;    // light samples that the first surface's one is chosen from
     uint tiles;         // 1: they come from light tiles
     uint listed_group;  // invocations of a work group of light's second kernel
-    uint path_bounces;  // scatterings after which a path ends in the cache whatever it meets
+    uint path_bounces;  // reflections after which a path ends in the cache whatever it meets, but for glass
 };
 
 SHARED_END

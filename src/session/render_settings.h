@@ -88,11 +88,11 @@ void visit(V&& v, RenderSettings& s) {
             "one kernel of Shade for all materials, or one for each class of them");
     v.field("wavefront.memory_mb", s.wavefront_memory_mb, range(1, 1 << 20), "most that what waits for wavefront.connect=once may take, and as much for finished samples");
     v.field("realtime.reuse", s.realtime_reuse, choices({"full", "none", "unbiased"}), "reservoirs that share samples between pixels and frames; only none so far: each pixel's light is its own");
-    v.field("gbuffer.mode", s.gbuffer_mode, choices({"auto", "raster", "trace"}), "what the realtime renderer finds the triangles under pixels with; auto: the faster one for devices of this class");
+    v.field("gbuffer.mode", s.gbuffer_mode, choices({"auto", "raster", "trace"}), "what the realtime renderer finds the triangles under pixels with; auto: trace");
     v.field("realtime.cache", s.realtime_cache, choices({"off", "on"}), "paths end in the world cache, or go to their full depth (--max-bounces)");
     v.field("realtime.tiles", s.realtime_tiles, choices({"off", "on"}), "the first surface's light is chosen among candidates out of light tiles, or sampled as by the reference");
     v.field("realtime.candidates", s.realtime_candidates, range(1, 64), "light samples that the first surface's one is chosen from");
-    v.field("realtime.path_bounces", s.realtime_path_bounces, range(1, 64), "scatterings after which a path ends in the cache whatever it meets");
+    v.field("realtime.path_bounces", s.realtime_path_bounces, range(1, 64), "reflections after which a path ends in the cache whatever it meets, but for glass");
     visit_cache(v, s.cache);
     v.field("sky.sun_elevation", s.sun_elevation, range(-18, 90), "degrees of the clear sky's sun above the horizon");
     v.field("sky.sun_azimuth", s.sun_azimuth, range(-360, 360), "degrees of the clear sky's sun from +Z towards +X");

@@ -10,18 +10,29 @@ struct Footprint {
     RayCone cone;
     float way;     // metres
     bool broad;    // the last lobe was at least as broad as a cosine
+    uint reflections;  // scatterings so far that did not go through a surface
 };
 
-Footprint first_footprint(ViewData view) { return Footprint(RayCone(view.pixel_width, view.pixel_spread), 0.0, false); }
+Footprint first_footprint(ViewData view) { return Footprint(RayCone(view.pixel_width, view.pixel_spread), 0.0, false, 0u); }
 
-// To a surface t metres on, and by the lobe of a density from there.
+// To a surface t metres on, and by the lobe of a density from there, which goes through the surface or not.
 void advance(inout Footprint f, float t) {
     f.cone.width = cone_width(f.cone, t);
     f.way += t;
 }
-void spread(inout Footprint f, float pdf) {
+void spread(inout Footprint f, float pdf, bool through) {
+    if (!through) f.reflections += 1u;
     f.broad = pdf > 0.0 && pdf <= 1.001 / kPi;
     if (pdf > 0.0) f.cone.spread += min(0.5 * inversesqrt(pdf * kPi), kWidestSpread);
+}
+
+// Glass sends on what lies behind it, which the irradiance before it does not tell: paths never have to end there.
+bool may_end(Shading shading) {
+#ifdef LAYERS
+    return !has_glass(shading.bsdf);
+#else
+    return true;
+#endif
 }
 
 vec3 reflected_share(Shading shading, BsdfSample drawn, bool everything) {
