@@ -12,8 +12,8 @@ namespace parhelion {
 
 enum class RealtimeReuse : uint32_t { Full, None, Unbiased };
 
-// What finds the triangles under the pixels. Auto traces: what is the faster one
-// on a data-centre GPU; on the CPU device raster takes half the time and less.
+// What finds the triangles under the pixels. Auto traces: the faster one
+// on a data-centre GPU; on the CPU device raster takes 0.2 to 0.6 of its time.
 enum class GBufferMode : uint32_t { Auto, Raster, Trace };
 
 struct RealtimeOptions {

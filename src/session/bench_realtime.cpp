@@ -2,20 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 #include <glm/gtc/matrix_transform.hpp>
 #include <nlohmann/json.hpp>
 
-#include "base/log.h"
-#include "base/platform.h"
 #include "image/tonemap.h"
 #include "scene/load.h"
 #include "session/bench.h"
 #include "session/metering.h"
-#include "session/results.h"
 #include "session/scene_setup.h"
-#include "session/trace_choice.h"
+#include "session/view_setup.h"
 
 namespace parhelion {
 
@@ -70,17 +66,16 @@ RealtimeBenchOptions read_realtime_bench_options(const OptionValues& values, con
 
 RealtimeBenchRow run_realtime_bench(const std::string& scene, const RealtimeBenchOptions& options, const gpu::DevicePtr& device) {
     LoadedScene loaded = load_scene(scene, {});
-    RenderOptions as_if{.scene = scene, .size = options.size};
+    const RenderOptions as_if{.scene = scene, .renderer = RendererKind::Realtime, .size = options.size};
     add_light(loaded.scene, as_if, sky_options(options.settings));
     std::string description;
     const CameraView camera = choose_camera(loaded.scene, as_if, description);
     const float aspect = static_cast<float>(options.size.width) / static_cast<float>(options.size.height);
     Frame frame(device);
-    const bool hardware = options.way != gpu::TraceWay::Compute;
-    SceneGpu on_device(device, {.hardware = hardware, .own_bvh = !hardware, .raster = options.settings.gbuffer_mode == GBufferMode::Raster, .node_layout = options.settings.node_layout, .bvh_loop = options.settings.bvh_loop});
+    SceneGpu on_device(device, describe_scene_gpu(options.settings, {.way = options.way, .layout = options.settings.node_layout}));
     on_device.sync(loaded.scene);
     on_device.finish(frame);
-    const ViewDesc desc{.width = options.size.width, .height = options.size.height, .camera = shader_camera(camera, aspect), .filter = PixelFilter::Point};
+    const ViewDesc desc = describe_view(as_if, options.settings, {.opens = camera});
     View view(device, desc);
     RealtimeOptions realtime_settings = realtime_options(options.settings);
     realtime_settings.exposure = static_cast<float>(image::exposure_scale_from_ev100(meter_scene(device, frame, on_device, options.way, desc)));
@@ -115,28 +110,15 @@ std::string realtime_bench_table(const std::vector<RealtimeBenchRow>& rows, cons
     return out;
 }
 
-int run_realtime_bench_command(const OptionValues& values) {
-    const std::string json = values.given("--json") ? values.text("--json") : "";
-    check_json_target(json);
-    const gpu::DevicePtr device = gpu::Device::open({.selector = values.given("--device") ? values.text("--device") : ""});
-    const RealtimeBenchOptions options = read_realtime_bench_options(values, device->caps());
-    std::vector<RealtimeBenchRow> rows;
-    for (const std::string& scene : options.scenes) {
-        if (platform::interrupt_requested() != platform::Interrupt::None) break;
-        rows.push_back(run_realtime_bench(scene, options, device));
-    }
-    nlohmann::ordered_json out{{"schema", 1}, {"device", device->caps().name}, {"driver", device->caps().driver}, {"trace", gpu::trace_way_name(options.way)},
+nlohmann::ordered_json realtime_bench_json(const std::vector<RealtimeBenchRow>& rows, const RealtimeBenchOptions& options, const gpu::DeviceCaps& caps) {
+    nlohmann::ordered_json out{{"schema", 1}, {"device", caps.name}, {"driver", caps.driver}, {"trace", gpu::trace_way_name(options.way)},
                                {"size", {options.size.width, options.size.height}}, {"frames", options.frames}, {"rows", nlohmann::ordered_json::array()}};
     for (const RealtimeBenchRow& row : rows) {
         nlohmann::ordered_json entry{{"scene", row.scene}, {"rays_per_pixel", row.rays_per_pixel}, {"live_cells", row.live_cells}, {"updated_cells", row.updated_cells}, {"cache_rays", row.cache_rays}, {"cache_bytes", row.cache_bytes}};
         for (const RealtimeBenchRow::PassMs& pass : row.passes) entry["passes"].push_back({{"name", pass.name}, {"ms", pass.ms}});
         out["rows"].push_back(std::move(entry));
     }
-    if (json != "-") print_result(realtime_bench_table(rows, options));
-    write_json(json, out);
-    const platform::Interrupt interrupt = platform::interrupt_requested();
-    if (interrupt == platform::Interrupt::None) return EXIT_SUCCESS;
-    return static_cast<int>(interrupt == platform::Interrupt::Terminated ? ErrorCode::Terminated : ErrorCode::Interrupted);
+    return out;
 }
 
 }  // namespace parhelion

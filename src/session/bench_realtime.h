@@ -37,8 +37,6 @@ struct RealtimeBenchRow {
 RealtimeBenchOptions read_realtime_bench_options(const OptionValues& values, const gpu::DeviceCaps& caps);
 RealtimeBenchRow run_realtime_bench(const std::string& scene, const RealtimeBenchOptions& options, const gpu::DevicePtr& device);
 std::string realtime_bench_table(const std::vector<RealtimeBenchRow>& rows, const RealtimeBenchOptions& options);
-
-// The command, from opening the device to printing. Returns the exit code.
-int run_realtime_bench_command(const OptionValues& values);
+nlohmann::ordered_json realtime_bench_json(const std::vector<RealtimeBenchRow>& rows, const RealtimeBenchOptions& options, const gpu::DeviceCaps& caps);
 
 }  // namespace parhelion

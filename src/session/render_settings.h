@@ -2,7 +2,6 @@
 // The settings of `--set group.field=value`: what a picture depends on and seldom needs an option of its own.
 #include "base/error.h"
 #include "base/settings.h"
-#include "renderers/cache_options.h"
 #include "renderers/realtime.h"
 #include "renderers/view.h"
 #include "renderers/wavefront.h"

@@ -12,13 +12,29 @@
 
 namespace parhelion::cli {
 
+namespace {
+
+int bench_realtime(const OptionValues& values, const gpu::DevicePtr& device, const std::string& json) {
+    const RealtimeBenchOptions options = read_realtime_bench_options(values, device->caps());
+    std::vector<RealtimeBenchRow> rows;
+    for (const std::string& scene : options.scenes) {
+        if (platform::interrupt_requested() != platform::Interrupt::None) break;
+        rows.push_back(run_realtime_bench(scene, options, device));
+    }
+    if (json != "-") print_result(realtime_bench_table(rows, options));
+    write_json(json, realtime_bench_json(rows, options, device->caps()));
+    return exit_code(platform::interrupt_requested());
+}
+
+}  // namespace
+
 int run_bench(const OptionValues& values) {
     if (!values.positionals.empty() && values.positionals.front() == "trace") return run_trace_bench_command(values, std::nullopt);
-    if (!values.positionals.empty() && values.positionals.front() == "realtime") return run_realtime_bench_command(values);
     if (values.flag("--layouts")) throw Error(ErrorCode::Usage, "fits bench trace alone", "--layouts", "leave it out");
     const std::string json = values.given("--json") ? values.text("--json") : "";
     check_json_target(json);
     const gpu::DevicePtr device = gpu::Device::open({.selector = values.given("--device") ? values.text("--device") : ""});
+    if (!values.positionals.empty() && values.positionals.front() == "realtime") return bench_realtime(values, device, json);
     const std::vector<BenchCase> cases = bench_cases(values, device->caps());
     log(LogLevel::Info, "{} runs on {}", cases.size(), escape_name(device->caps().name));
     const LogLevel level = log_level();
