@@ -16,6 +16,7 @@ using glm::log2;
 SHARED_CONST uint64_t kCacheNoClaim = 0xFFFFFFFFFFFFFFFFul;
 SHARED_CONST uint kCachePointBits = 57u;
 SHARED_CONST uint64_t kCachePointMask = 0x01FFFFFFFFFFFFFFul;
+SHARED_CONST uint64_t kCacheNoPoint = 0xFFFFFFFFFFFFFFFFul;
 SHARED_CONST uint64_t kCacheOldPoint = 0x0200000000000000ul;
 // Points lie within the cell but for jitter and the height at which the cell was looked up.
 SHARED_CONST float kCachePointFrom = -1.25f;  // in cells, from the cell's corner
@@ -35,37 +36,30 @@ SHARED_FN uint64_t cache_old_claim(uint64_t claim, uint life, uint64_t salt) {
 
 SHARED_FN uint cache_steps(float x, uint most) { return uint(min(max(x, 0.0f), float(most))); }
 
-// A normal as two numbers from 0 to 1022, 511 in the middle. Its longest axis is decided in integers: floats of normals between two axes
-// might say one thing where a point is packed and another where it is read.
+// A normal as two numbers from 0 to 1022, 511 in the middle.
 SHARED_FN vec3 cache_packed_normal(uint nx, uint ny) { return cache_from_octahedral(vec2((float(nx) - 511.0f) * (1.0f / 511.0f), (float(ny) - 511.0f) * (1.0f / 511.0f))); }
-SHARED_FN int cache_main_axis(uint nx, uint ny) {
-    int x = abs(int(nx) - 511), y = abs(int(ny) - 511);
-    const int z = 511 - x - y;
-    if (z < 0) {
-        const int unfolded = 511 - y;
-        y = 511 - x;
-        x = unfolded;
-    }
-    return x >= y && x >= abs(z) ? 0 : y >= abs(z) ? 1 : 2;
-}
+SHARED_FN int cache_main_axis(uint nx, uint ny) { return cache_nearest_axis(int(nx) - 511, int(ny) - 511, 511); }
 
-// `origin_ws` already lies above the surface by its rounding errors. Its tangential coordinates are rounded towards `wo`, from where a
-// path came, so that it does not slide into a wall beside it; it slides in its plane, and along the normal it is rounded outwards.
-SHARED_FN uint64_t cache_pack_point(vec3 origin_ws, vec3 n, vec3 wo, ivec3 cell, uint level) {
+// `corner`: cache_corner of the point's cell. `origin_ws` already lies above the surface by its rounding errors; `back_ws` is the way from there to
+// where the path came from, which is free. Tangential coordinates are rounded along it, so that the point does not slide into a wall beside
+// it; whoever has come less than a step that way, as from the very foot of that wall, may not speak for the cell: kCacheNoPoint. The point
+// slides in its plane, and along the normal it is rounded outwards.
+SHARED_FN uint64_t cache_pack_point(vec3 origin_ws, vec3 n, vec3 back_ws, vec3 corner, uint level) {
     const vec2 o = cache_octahedral(n);
     const uint nx = cache_steps(o.x * 511.0f + 511.5f, 1022u), ny = cache_steps(o.y * 511.0f + 511.5f, 1022u);
     const int a = cache_main_axis(nx, ny), b = a == 2 ? 0 : a + 1, c = b == 2 ? 0 : b + 1;
     const float inverse_size = 1.0f / cache_level_size(level);
-    SHARED_PRECISE const vec3 local = origin_ws * inverse_size - vec3(float(cell.x), float(cell.y), float(cell.z));
+    SHARED_PRECISE const vec3 local = origin_ws * inverse_size - corner;
     const float step = kCachePointRange / 2048.0f;
+    if (min(abs(back_ws[b]), abs(back_ws[c])) * inverse_size < step) return kCacheNoPoint;
     const float tb = (local[b] - kCachePointFrom) / step, tc = (local[c] - kCachePointFrom) / step;
-    const uint sb = cache_steps(wo[b] > 0.0f ? ceil(tb) : floor(tb), 2047u), sc = cache_steps(wo[c] > 0.0f ? ceil(tc) : floor(tc), 2047u);
+    const uint sb = cache_steps(back_ws[b] > 0.0f ? ceil(tb) : floor(tb), 2047u), sc = cache_steps(back_ws[c] > 0.0f ? ceil(tc) : floor(tc), 2047u);
     const float slide = (n[b] * (float(sb) - tb) + n[c] * (float(sc) - tc)) * step / n[a];
     const float ta = (local[a] - slide - kCachePointFrom) * (32768.0f / kCachePointRange);
     const uint sa = cache_steps(n[a] > 0.0f ? ceil(ta) : floor(ta), 32767u);
     return (((uint64_t(nx) << 10 | uint64_t(ny)) << 11 | uint64_t(sb)) << 11 | uint64_t(sc)) << 15 | uint64_t(sa);
 }
-SHARED_FN void cache_unpack_point(uint64_t point, ivec3 cell, uint level, SHARED_INOUT(vec3) origin_ws, SHARED_INOUT(vec3) n) {
+SHARED_FN void cache_unpack_point(uint64_t point, vec3 corner, uint level, SHARED_INOUT(vec3) origin_ws, SHARED_INOUT(vec3) n) {
     const uint sa = uint(point) & 32767u, sc = uint(point >> 15) & 2047u, sb = uint(point >> 26) & 2047u;
     const uint ny = uint(point >> 37) & 1023u, nx = uint(point >> 47) & 1023u;
     n = cache_packed_normal(nx, ny);
@@ -74,7 +68,7 @@ SHARED_FN void cache_unpack_point(uint64_t point, ivec3 cell, uint level, SHARED
     local[a] += float(sa) * (kCachePointRange / 32768.0f);
     local[b] += float(sb) * (kCachePointRange / 2048.0f);
     local[c] += float(sc) * (kCachePointRange / 2048.0f);
-    origin_ws = (vec3(float(cell.x), float(cell.y), float(cell.z)) + local) * cache_level_size(level);
+    origin_ws = (corner + local) * cache_level_size(level);
 }
 
 // Three channels with 18 bits and a common exponent: running means of hundreds of samples do not stall.

@@ -2,6 +2,7 @@
 // Also compiled as C++ (shared/functions.h).
 //     level   size 2^(level - kCacheUnitLevel) metres
 //     key     cell (14 bits an axis), level (5), normal (7), owner (9), mixed by a bijection: equal keys are equal cells
+//     cells   are flat: along the axis nearest to their normal a quarter as long, so that parallel faces keep apart
 // No two cells share a key but where owners collide in 9 bits.
 #ifndef PARHELION_LIB_CACHE_KEY_GLSL
 #define PARHELION_LIB_CACHE_KEY_GLSL
@@ -43,15 +44,6 @@ SHARED_FN uint64_t cache_unmix(uint64_t v, uint bits, uint shift) {
 SHARED_FN int cache_exponent(float x) { return int((floatBitsToUint(x) >> 23) & 0xFFu) - 127; }
 SHARED_FN float cache_level_size(uint level) { return uintBitsToFloat((level + 127u - kCacheUnitLevel) << 23); }
 
-// The level of cells of about this size, metres, at a point; u in [0, 1) dissolves one level into the next. Cells are never so small
-// that their numbers leave the key's bits: 2^-12 of the distance from the origin, where floats themselves are getting coarse.
-SHARED_FN uint cache_level(vec3 p, float size, float u) {
-    const float past = float(floatBitsToUint(size) & 0x7FFFFFu) * 1.1920929e-7f;  // of the way to the next power of two
-    const int wanted = cache_exponent(size) + (u < past ? 1 : 0);
-    const int least = cache_exponent(max(abs(p.x), max(abs(p.y), abs(p.z)))) - (kCacheAxisBits - 2);
-    return uint(min(max(max(wanted, least) + int(kCacheUnitLevel), 0), int(kCacheLevels) - 1));
-}
-
 SHARED_FN float cache_sign(float x) { return x < 0.0f ? -1.0f : 1.0f; }
 // The octahedral map. Meyer et al. 2010, "On Floating-Point Normal Vectors".
 SHARED_FN vec2 cache_octahedral(vec3 n) {
@@ -76,16 +68,51 @@ SHARED_FN uint cache_normal_code(vec3 n) {
     return uint(y + steps) * (2u * kCacheNormalSteps + 1u) + uint(x + steps);
 }
 
+// The axis nearest to a direction of the octahedral square, in integers with `steps` on either side of 0: floats of directions between two
+// axes might say one thing in one shader and another in the next.
+SHARED_FN int cache_nearest_axis(int o_x, int o_y, int steps) {
+    int x = abs(o_x), y = abs(o_y);
+    const int z = steps - x - y;
+    if (z < 0) {
+        const int unfolded = steps - y;
+        y = steps - x;
+        x = unfolded;
+    }
+    return x >= y && x >= abs(z) ? 0 : y >= abs(z) ? 1 : 2;
+}
+SHARED_FN int cache_flat_axis(uint normal_code) {
+    const int steps = int(kCacheNormalSteps), across = 2 * steps + 1;
+    return cache_nearest_axis(int(normal_code) % across - steps, int(normal_code) / across - steps, steps);
+}
+// How many cells of a level there are to its size, by axis.
+SHARED_FN vec3 cache_flatness(uint normal_code) {
+    vec3 cells = vec3(1.0f);
+    cells[cache_flat_axis(normal_code)] = 4.0f;
+    return cells;
+}
+
+// The level of cells of about this size, metres, at a point; u in [0, 1) dissolves one level into the next. Cells are never so small
+// that their numbers leave the key's bits: 2^-12 of the distance from the origin, 2^-10 along the axis in which they are flat, where floats
+// themselves are getting coarse.
+SHARED_FN uint cache_level(vec3 p, uint normal_code, float size, float u) {
+    const float past = float(floatBitsToUint(size) & 0x7FFFFFu) * 1.1920929e-7f;  // of the way to the next power of two
+    const int wanted = cache_exponent(size) + (u < past ? 1 : 0), flat_axis = cache_flat_axis(normal_code);
+    const int least = max(cache_exponent(max(abs(p.x), max(abs(p.y), abs(p.z)))), cache_exponent(abs(p[flat_axis])) + 2) - (kCacheAxisBits - 2);
+    return uint(min(max(max(wanted, least) + int(kCacheUnitLevel), 0), int(kCacheLevels) - 1));
+}
+
 // The number of the cell that a point belongs to. It is looked up a little above the surface, so that walls that lie in a plane of the
 // lattice fall into one layer of cells, and moved along the surface by `jitter` (cells): neighbours blend where look-ups vary.
-SHARED_FN ivec3 cache_cell(vec3 p, vec3 n, uint level, vec3 jitter) {
-    const float kAbove = 0.2937f;  // of a cell; no plane that a modeller would draw is that far off the lattice
+SHARED_FN ivec3 cache_cell(vec3 p, vec3 n, uint normal_code, uint level, vec3 jitter) {
+    const float kAbove = 0.0734f;  // of a level's size; no plane that a modeller would draw is that far off the lattice
     const float size = cache_level_size(level);
     SHARED_PRECISE const vec3 moved = (jitter - n * dot(n, jitter)) + n * kAbove;
-    SHARED_PRECISE const vec3 cell = floor(p * (1.0f / size) + moved);
+    SHARED_PRECISE const vec3 cell = floor((p * (1.0f / size) + moved) * cache_flatness(normal_code));
     const int most = 1 << (kCacheAxisBits - 1);
     return ivec3(min(max(int(cell.x), -most), most - 1), min(max(int(cell.y), -most), most - 1), min(max(int(cell.z), -most), most - 1));
 }
+// The corner of a cell where its coordinates are least, in sizes of its level.
+SHARED_FN vec3 cache_corner(ivec3 cell, uint normal_code) { return vec3(float(cell.x), float(cell.y), float(cell.z)) / cache_flatness(normal_code); }
 
 SHARED_FN uint64_t cache_key(ivec3 cell, uint level, uint normal_code, uint owner) {
     const uint mask = (1u << kCacheAxisBits) - 1u;
@@ -97,6 +124,7 @@ SHARED_FN uint64_t cache_key(ivec3 cell, uint level, uint normal_code, uint owne
 // Of a key, with or without kCacheNewborn.
 SHARED_FN uint64_t cache_plain_key(uint64_t key) { return cache_unmix(key & ~kCacheNewborn, kCacheKeyBits, 32u); }
 SHARED_FN uint cache_key_level(uint64_t key) { return uint(cache_plain_key(key) >> 42) & 31u; }
+SHARED_FN uint cache_key_normal(uint64_t key) { return uint(cache_plain_key(key) >> 47) & 127u; }
 SHARED_FN int cache_key_axis(uint64_t plain, uint axis) {
     const int bits = int(uint(plain >> (14u * axis)) << 18);
     return bits >> 18;

@@ -8,6 +8,6 @@
 // `wo_ws`: unit, to where the path came from, on whose side the cell will lie.
 CachePoint cache_point(Surface s, vec3 wo_ws, float footprint, float u) {
     const vec3 n = s.front_facing ? s.n_geometric_ws : -s.n_geometric_ws;
-    return CachePoint(s.position_ws, offset_origin(s.position_ws, s.position_error, n, n), n, wo_ws, s.instance, footprint, u);
+    return CachePoint(s.position_ws, offset_origin(s.position_ws, s.position_error, n, n), n, wo_ws * s.t, s.instance, footprint, u);
 }
 #endif

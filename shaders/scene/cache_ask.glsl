@@ -14,7 +14,7 @@ struct CachePoint {
     vec3 position_ws;
     vec3 origin_ws;       // where a ray into the hemisphere starts (spawn_ray)
     vec3 n_geometric_ws;  // unit, on the side from where the path came
-    vec3 wo_ws;           // unit, to where the path came from
+    vec3 back_ws;         // to where the path came from, metres
     uint owner;           // instance: things share no cells
     float footprint;      // metres, see cache_footprint
     float u;              // in [0, 1): dissolves levels, moves the look-up
@@ -24,7 +24,7 @@ struct CachePoint {
 // is that of a pixel over the whole way to the point, as if the path had gone straight on.
 float cache_footprint(Cache cache, float cone_width, float pixel_width) { return max(cone_width, pixel_width * (cache.v.cell_pixels / cache.v.cell_scale)); }
 
-uint cache_point_level(Cache cache, CachePoint at) { return cache_level(at.position_ws, at.footprint * cache.v.cell_scale, at.u); }
+uint cache_point_level(Cache cache, CachePoint at) { return cache_level(at.position_ws, cache_normal_code(at.n_geometric_ws), at.footprint * cache.v.cell_scale, at.u); }
 float cache_cell_size(Cache cache, CachePoint at) { return cache_level_size(cache_point_level(cache, at)); }
 
 vec3 cache_jitter(Cache cache, float u) {
@@ -35,15 +35,17 @@ vec3 cache_jitter(Cache cache, float u) {
 // Where a point's cell of a level is kept, or would be.
 struct CachePlace {
     uint64_t key;
-    ivec3 cell;
+    vec3 corner;
     uint level;
     uint bucket;
 };
 CachePlace cache_place(Cache cache, CachePoint at, uint level) {
     CachePlace place;
     place.level = min(level, kCacheLevels - 1u);
-    place.cell = cache_cell(at.position_ws, at.n_geometric_ws, place.level, cache_jitter(cache, at.u));
-    place.key = cache_key(place.cell, place.level, cache_normal_code(at.n_geometric_ws), at.owner);
+    const uint normal_code = cache_normal_code(at.n_geometric_ws);
+    const ivec3 cell = cache_cell(at.position_ws, at.n_geometric_ws, normal_code, place.level, cache_jitter(cache, at.u));
+    place.corner = cache_corner(cell, normal_code);
+    place.key = cache_key(cell, place.level, normal_code, at.owner);
     place.bucket = cache_bucket(place.key, cache.v.bucket_mask);
     return place;
 }
@@ -103,9 +105,8 @@ uint cache_take_slot(Cache cache, CachePlace place) {
     return kCacheNoSlot;
 }
 
-void cache_claim_slot(Cache cache, uint slot, CachePlace place, CachePoint at, uint life) {
+void cache_claim_slot(Cache cache, uint slot, uint64_t point, uint life) {
     CacheWords64 claims = CacheWords64(cache.v.claims);
-    const uint64_t point = cache_pack_point(at.origin_ws, at.n_geometric_ws, at.wo_ws, place.cell, place.level);
     const uint64_t claim = cache_claim(life, point, cache_salt(cache.v.frame_index));
     if (claim < claims.v[slot]) atomicMin(claims.v[slot], claim);
 }
@@ -120,10 +121,12 @@ CacheAnswer cache_read(Cache cache, uint slot) {
     return CacheAnswer(cache_unpack_irradiance(CacheWords64(cache.v.irradiance).v[slot]), float(moments.count));
 }
 
-// Whether a point asks for a cell of a level above its own too: one in four does, for the first.
-bool cache_wants_parent(CachePoint at, uint above) {
+// Whether a point asks for a cell of a level above its own too: one in four that a pixel's path reached. Paths of the update go on where
+// they find nothing; did they ask too, cells of one level would call for the next one's without end.
+bool cache_wants_parent(Cache cache, CachePoint at, uint life, uint above) {
+    if (above == 0u) return true;
     const uint h = pcg_hash(floatBitsToUint(at.u) ^ 0x50415245u);
-    return (h & ((1u << (2u * above)) - 1u)) == 0u;
+    return life >= cache.v.life && (h & ((1u << (2u * above)) - 1u)) == 0u;
 }
 
 // Asks, and with a life above 0 claims. A cell with few samples is helped out by those above it.
@@ -132,7 +135,7 @@ CacheAnswer cache_consult(Cache cache, CachePoint at, uint life) {
     float missing = 1.0;
     CacheAnswer sum = CacheAnswer(vec3(0.0), 0.0);
     for (uint above = 0u; above <= kCacheParents && level + above < kCacheLevels; ++above) {
-        const bool claims = life != 0u && cache_wants_parent(at, above);
+        const bool claims = life != 0u && cache_wants_parent(cache, at, life, above);
         if (!claims && missing <= 0.0) continue;
         const CachePlace place = cache_place(cache, at, level + above);
         bool newborn;
@@ -145,8 +148,10 @@ CacheAnswer cache_consult(Cache cache, CachePoint at, uint life) {
             missing -= share;
         }
         if (!claims) continue;
+        const uint64_t point = cache_pack_point(at.origin_ws, at.n_geometric_ws, at.back_ws, place.corner, place.level);
+        if (point == kCacheNoPoint) continue;
         if (slot == kCacheNoSlot) slot = cache_take_slot(cache, place);
-        if (slot != kCacheNoSlot) cache_claim_slot(cache, slot, place, at, life);
+        if (slot != kCacheNoSlot) cache_claim_slot(cache, slot, point, life);
     }
     if (missing < 1.0) sum.irradiance /= 1.0 - missing;
     return sum;

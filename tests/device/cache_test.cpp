@@ -75,7 +75,7 @@ TEST_F(CacheTables, levels_normals_and_owners_have_cells_of_their_own) {
     std::vector<CacheAsk> asks;
     for (const float footprint : {1.0f, 2.0f, 4.0f})
         for (const glm::vec3 n : {glm::vec3(0, 1, 0), glm::vec3(0, -1, 0), glm::normalize(glm::vec3(1, 2, 0))})
-            for (const uint32_t owner : {1u, 2u}) asks.push_back({.position_ws = {0.1f, 0.02f, 0.1f}, .n_ws = n, .wo_ws = n, .owner = owner, .footprint = footprint});
+            for (const uint32_t owner : {1u, 2u}) asks.push_back({.position_ws = {0.1f, 0.02f, 0.1f}, .n_ws = n, .owner = owner, .footprint = footprint});
     bench.step(asks);
     EXPECT_EQ(bench.table().cells().size(), asks.size());
     EXPECT_EQ(known(bench.step(asks)), asks.size());

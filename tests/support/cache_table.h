@@ -8,7 +8,7 @@
 namespace parhelion::testing {
 
 struct CacheAsk {
-    glm::vec3 position_ws{0.0f}, n_ws{0.0f, 1.0f, 0.0f}, wo_ws{0.0f, 1.0f, 0.0f};
+    glm::vec3 position_ws{0.0f}, n_ws{0.0f, 1.0f, 0.0f}, back_ws{3.0f, 5.0f, 4.0f};
     uint32_t owner = 0;
     float footprint = 1.0f, u = 0.5f;
     uint32_t life = 10;

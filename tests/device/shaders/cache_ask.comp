@@ -5,7 +5,7 @@
 #include "scene/cache_ask.glsl"
 
 struct Ask {
-    vec3 position_ws, n_ws, wo_ws;
+    vec3 position_ws, n_ws, back_ws;
     uint owner;
     float footprint, u;
     uint life;
@@ -29,7 +29,7 @@ void main() {
     const uint i = gl_GlobalInvocationID.x;
     if (i >= push.count) return;
     const Ask ask = push.asks.v[i];
-    const CachePoint at = CachePoint(ask.position_ws, ask.position_ws, ask.n_ws, ask.wo_ws, ask.owner, ask.footprint, ask.u);
+    const CachePoint at = CachePoint(ask.position_ws, ask.position_ws, ask.n_ws, ask.back_ws, ask.owner, ask.footprint, ask.u);
     const CacheView view = cache_look(push.cache, at);
     Answer answer;
     answer.known = uint(cache_visit(push.cache, at, ask.life, answer.irradiance));
