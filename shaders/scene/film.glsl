@@ -13,7 +13,7 @@ void film_add(FilmBlock block, ViewData view, uint group, uint pixel, vec3 value
     const uint plane = view.width * view.height;
     const uint index = channel * plane + pixel;
     block.v[index] += value.x;
-    if (group == kFilmRoughness) return;
+    if (group == kFilmRoughness || group >= kFilmDebugLevel) return;  // one number
     block.v[index + plane] += value.y;
     block.v[index + 2u * plane] += value.z;
 }

@@ -18,7 +18,16 @@ SHARED_CONST uint kFilmPathIndirectSpecular = 9u;
 SHARED_CONST uint kFilmPathTransmission = 10u;
 SHARED_CONST uint kFilmSquares = 11u;       // of the beauty, below kLargeSquareFrom
 SHARED_CONST uint kFilmLargeSquares = 12u;  // the others, times kLargeSquareScale
-SHARED_CONST uint kFilmGroupCount = 13u;
+// What the realtime renderer was doing, for the eye: cells of the world cache at the pixel's surface, and its own work.
+SHARED_CONST uint kFilmDebugCells = 13u;       // a colour a cell
+SHARED_CONST uint kFilmDebugIrradiance = 14u;
+SHARED_CONST uint kFilmDebugLevel = 15u;       // from here on one number each
+SHARED_CONST uint kFilmDebugCount = 16u;
+SHARED_CONST uint kFilmDebugAge = 17u;
+SHARED_CONST uint kFilmDebugLife = 18u;
+SHARED_CONST uint kFilmDebugLight = 19u;       // 1 + the emitter that the surface asks; 0: none
+SHARED_CONST uint kFilmDebugRays = 20u;        // traced for the pixel after what it sees
+SHARED_CONST uint kFilmGroupCount = 21u;
 SHARED_CONST uint kNoChannel = 0xFFFFFFFFu;
 
 // Squares range twice as far as samples do: two sums, with factors that lose nothing (image/film.h resolves them).

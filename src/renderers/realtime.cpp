@@ -13,6 +13,10 @@ namespace {
 constexpr uint32_t kTileRows = 8;           // bands are whole squares of 64 pixels
 constexpr uint32_t kPassings = 8;           // panes, and boundaries that are none, along a path in all
 
+bool shows_cache(const View& view) {
+    return std::ranges::any_of(view.channels(), [](const std::string& channel) { return channel.starts_with("debug."); });
+}
+
 }  // namespace
 
 Realtime::Realtime(gpu::DevicePtr device, const View& view, const RealtimeOptions& options)
@@ -93,6 +97,7 @@ void Realtime::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, Vi
         passes::update_cache(frame, scene, way, *cache_, {.frame_index = frame_index_, .seed = view.desc().seed, .exposure = options_.exposure, .lights_changed = changed, .view = film.view});
         lights_version_ = scene.lights_version();
     }
+    if (cache_ && shows_cache(view)) passes::show_cache(frame, scene, film, gbuffer_, cache_->buffer(), frame_index_);
     trace_paths(frame, scene, way, view);
     passes::composite(frame, film, gbuffer_, signals_, options_.exposure);
     end_slice(frame, view, slice, ends_range);

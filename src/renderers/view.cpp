@@ -25,6 +25,14 @@ std::span<const FilmGroup> film_groups() {
         {"path.transmission", shared::kFilmPathTransmission, {"R", "G", "B"}},
         {"squares", shared::kFilmSquares, {"R", "G", "B"}, "variance"},
         {"squares_large", shared::kFilmLargeSquares, {"R", "G", "B"}, "variance"},
+        {"debug.cells", shared::kFilmDebugCells, {"R", "G", "B"}},
+        {"debug.irradiance", shared::kFilmDebugIrradiance, {"R", "G", "B"}},
+        {"debug.level", shared::kFilmDebugLevel, {""}},
+        {"debug.count", shared::kFilmDebugCount, {""}},
+        {"debug.age", shared::kFilmDebugAge, {""}},
+        {"debug.life", shared::kFilmDebugLife, {""}},
+        {"debug.light", shared::kFilmDebugLight, {""}},
+        {"debug.rays", shared::kFilmDebugRays, {""}},
     };
     return groups;
 }
@@ -70,7 +78,7 @@ void check_aovs(const std::vector<std::string>& aovs) {
         if (std::ranges::any_of(names, [&](std::string_view name) { return asks_for(aov, name); })) continue;
         std::string known;
         for (const std::string_view name : names) known += std::string(name) + ", ";
-        throw Error(ErrorCode::Usage, fmt::format("there is no AOV '{}'", escape_name(aov)), "--aov", "choose from " + known + "path.*");
+        throw Error(ErrorCode::Usage, fmt::format("there is no AOV '{}'", escape_name(aov)), "--aov", "choose from " + known + "path.*, debug.*");
     }
 }
 

@@ -121,11 +121,12 @@ const OptionSpec kOptions[] = {
     {.name = "--aov", .section = "Picture", .commands = kView, .kind = ValueKind::List, .value = "NAME",
      .help = "show a layer instead of the picture",
      .choices = "albedo|normal|emission|roughness|path.emission|path.direct_diffuse|path.direct_specular|path.indirect_diffuse|"
-                "path.indirect_specular|path.transmission"},
+                "path.indirect_specular|path.transmission|debug.cells|debug.irradiance|debug.level|debug.count|debug.age|debug.life|debug.light|debug.rays"},
     {.name = "--aov", .section = "Output", .commands = kRender, .kind = ValueKind::List, .value = "LIST",
-     .help = "further layers of the EXR, separated by commas; path.* stands for all of a group",
+     .help = "further layers of the EXR, separated by commas; path.* and debug.* (realtime) stand for all of a group",
      .choices = "albedo|normal|emission|roughness|depth|ids|motion|variance|path.emission|path.direct_diffuse|path.direct_specular|"
-                "path.indirect_diffuse|path.indirect_specular|path.transmission"},
+                "path.indirect_diffuse|path.indirect_specular|path.transmission|"
+                "debug.cells|debug.irradiance|debug.level|debug.count|debug.age|debug.life|debug.light|debug.rays"},
     {.name = "--checkpoint", .section = "Output", .commands = kRender, .kind = ValueKind::File, .value = "F",
      .help = "save the state of the render here from time to time", .bits = kNotInPreset, .renderers = kPathTracers,
      .instead = kPathTracersOnly},

@@ -121,6 +121,12 @@ void check_sequence(const OptionValues& values, const RenderOptions& options) {
     if (sequences != 0 && options.play->average) refuse(values.where("--average"), "the mean is one picture", "use --out NAME.exr");
 }
 
+void check_debug_layers(const RenderOptions& options, std::string_view where) {
+    if (options.renderer == RendererKind::Realtime) return;
+    for (const std::string& aov : options.aovs)
+        if (aov.starts_with("debug.")) throw Error(ErrorCode::Usage, fmt::format("{} shows what the realtime renderer does", aov), std::string(where), "add --renderer realtime");
+}
+
 void check_outputs(const OptionValues& values, const RenderOptions& options) {
     const bool exr =
         std::any_of(options.output.files.begin(), options.output.files.end(), [](const auto& file) { return has_extension(file, ".exr"); });
@@ -129,6 +135,7 @@ void check_outputs(const OptionValues& values, const RenderOptions& options) {
     if (options.is_part && (options.output.files.size() != 1 || !exr))
         throw Error(ErrorCode::Usage, "a part is written to exactly one EXR", "--out",
                     "use --out PART.exr; parhelion merge writes the picture");
+    check_debug_layers(options, values.where("--aov"));
     if (!options.aovs.empty() && !exr) throw Error(ErrorCode::Usage, "layers need an EXR", values.where("--aov"), "add --out F.exr");
     check_sequence(values, options);
     if (options.resume && options.checkpoint.empty())
@@ -205,6 +212,7 @@ RenderOptions read_view_options(const OptionValues& values) {
     options.samples = {0, values.given("--spp") ? read_uint(values, "--spp") : 1u << 30};
     if (values.given("--aov"))
         options.aovs = expand_list(*find_option(values.command(), "--aov"), values.text("--aov"), values.where("--aov"));
+    check_debug_layers(options, values.where("--aov"));
     if (options.aovs.size() > 1) throw Error(ErrorCode::Usage, "a window shows one layer", values.where("--aov"), "choose one; the panel has them all");
     return options;
 }

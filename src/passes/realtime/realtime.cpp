@@ -1,5 +1,7 @@
 #include "passes/realtime/realtime.h"
 
+#include "shared/scene.h"
+
 namespace parhelion::passes {
 
 namespace {
@@ -7,6 +9,10 @@ namespace {
 struct CompositePush {
     uint64_t view, block, diffuse, specular, emission;
     float nits;
+};
+struct DebugPush {
+    uint64_t view, cache, block;
+    uint32_t frame_index;
 };
 
 }  // namespace
@@ -29,6 +35,17 @@ void composite(Frame& frame, const Film& film, const GBuffer& gbuffer, const Sig
         .read_write("block", film.block)
         .push(CompositePush{.nits = 1.0f / exposure})
         .over(gbuffer.summary.extent());
+}
+
+void show_cache(Frame& frame, const SceneGpu& scene, const Film& film, const GBuffer& gbuffer, const gpu::Buffer& cache, uint32_t frame_index) {
+    frame.compute("realtime/debug", (scene.features() & shared::kSceneLayers) != 0 ? "+LAYERS" : "")
+        .scene(scene.binding())
+        .read("view", film.view)
+        .read("identity", gbuffer.identity)
+        .read_write("cache", cache)
+        .read_write("block", film.block)
+        .push(DebugPush{.frame_index = frame_index})
+        .over(gbuffer.identity.extent());
 }
 
 }  // namespace parhelion::passes

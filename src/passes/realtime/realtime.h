@@ -50,4 +50,7 @@ void gather_paths(const LightPass& pass);  // the band's signals
 // The picture, as one sample of the film.
 void composite(Frame& frame, const Film& film, const GBuffer& gbuffer, const Signals& signals, float exposure);
 
+// The world cache at what pixels see, into the film's debug layers.
+void show_cache(Frame& frame, const SceneGpu& scene, const Film& film, const GBuffer& gbuffer, const gpu::Buffer& cache, uint32_t frame_index);
+
 }  // namespace parhelion::passes

@@ -4,10 +4,9 @@
 // reference's estimate, and without light tiles too it has the reference's samples of the frame's index.
 // Scenes of layered materials (glass, coats, sheen) have two kernels: PLAIN+LAYERS for surfaces that are plain, a third of the other's size.
 // Reads: scene, view, identity (what paths meet first), hits (later), lists (a kernel's), tiles. Reads and writes: control, lists (rays),
-// rays, paths, inside, sums, emission, block (path classes), and with CACHE cache (cells that are missed, and longer lives). Writes:
-// shadow_list, shadow_rays, pending, distances (to what the first ray met).
+// rays, paths, inside, sums, emission, block (path classes, debug layers), and with CACHE cache (cells that are missed, and longer lives).
+// Writes: shadow_list, shadow_rays, pending, distances (to what the first ray met).
 // variants: CACHE LAYERS LAYERS+CACHE PLAIN+LAYERS+CACHE
-// optimised variants
 #extension GL_GOOGLE_include_directive : require
 #define OWN_SCATTERING
 #ifdef PLAIN
@@ -66,6 +65,7 @@ NextEvent ask_for_light(ViewData view, PathKey key, PathState path, Shading shad
         pick = LightPick(kept.emitter, kept.triangle, kept.scale > 0.0 ? pick_probability(kept.emitter, kept.triangle) : 0.0);
         u_light = tile_numbers(kept.place, key.sample_index, key.seed, 1u);
     } else pick = pick_light(shading.s.position_ws, shading.s.n_geometric_ws, u.pick);
+    if (path.path_class.bounce == 0u) film_add(push.block, view, kFilmDebugLight, key.pixel.y * view.width + key.pixel.x, vec3(float(pick.emitter == kNone ? 0u : pick.emitter + 1u)));
     NextEvent event = next_event(view, path, shading, sample_light(pick, shading.s.position_ws, u_light), resampled ? 1.0 / float(push.frame.candidates) : 1.0, shadow_key);
     if (resampled) event.value = scale(event.value, vec3(kept.scale));
     return event;
@@ -144,6 +144,7 @@ VertexResult shade(uint slot) {
     VertexResult vertex;
     if (met.instance_bits == kHitMiss) vertex = end_in_sky(view, path, first);
     else vertex = shade_vertex(view, key, Hit(met.instance_bits, met.geometry, met.primitive, 0u, 0.0), path, first);
+    if (push.round != 0u) film_add(push.block, view, kFilmDebugRays, pixel, vec3(1.0));
     if (push.round <= 1u) push.distances.v[pixel] = push.round == 0u ? 0u : pack_distance(vertex.t);
     keep_arriving(view, slot, pixel, before, vertex.arriving);
     if (vertex.event.exists) keep_event(slot, pixel, before, vertex.event);
