@@ -1,4 +1,8 @@
 // The realtime renderer without its cache is an estimator of the reference: the same mean of the picture and of each class of paths.
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
 #include "truth/truth.h"
 
 namespace parhelion::testing {
@@ -8,25 +12,46 @@ namespace {
 constexpr double kMargin = 0.005, kSmallClass = 0.01;
 // What the CPU device resolves in a minute.
 constexpr double kSmallMargin = 0.05;
+constexpr double kSignalRounding = 0x1p-15;  // the picture is made of signals of 14 bits, classes are not
 constexpr uint32_t kRuns = 32, kPilotRuns = 8;
 
-double margin_of(double share) { return by_size(kMargin, kSmallMargin) * std::max(1.0, kSmallClass / share); }
+// A few bright paths make much of these classes: what a GPU resolves in some seconds.
+struct NoisyClass {
+    std::string_view scene, name;
+    double margin;
+};
+constexpr NoisyClass kNoisy[] = {
+    {"diorama", "indirect_diffuse", 0.01},
+    {"diorama", "indirect_specular", 0.02},
+    {"many_lights", "indirect_diffuse", 0.02},
+    {"many_lights", "indirect_specular", 0.02},
+    {"sponza_1000_lights", "direct_specular", 0.01},
+    {"sponza_1000_lights", "indirect_specular", 0.01},
+};
+
+// Relative to the class, which brings `share` of the light.
+double margin_of(const TruthScene& scene, std::string_view name, double share) {
+    double margin = kMargin;
+    for (const NoisyClass& noisy : kNoisy)
+        if (noisy.scene == scene.name && noisy.name == name) margin = noisy.margin;
+    return by_size(margin, kSmallMargin) * std::max(1.0, kSmallClass / share);
+}
 
 double mean_of(const Runs& runs) { return moments(runs.means()).mean; }
 
 // How many frames (and samples of the reference) each run takes so that the 99.9 % interval has half the margin's width on either side:
 // equal means then pass but for one case in thousands. From pilot runs with seeds of their own, which tell of variances alone.
-uint32_t frames_needed(const ClassRuns& test, const ClassRuns& reference, uint32_t pilot_frames) {
-    constexpr double kErrorsInMargin = 7.2, kDoubt = 1.5;  // a variance from eight runs
+uint32_t frames_needed(const TruthScene& scene, const ClassRuns& test, const ClassRuns& reference, uint32_t pilot_frames) {
+    constexpr double kErrorsInMargin = 7.2, kDoubt = 1.25;  // of a variance from eight runs
     const double light = mean_of(reference.at("picture"));
     double most = 1;
     for (const auto& [name, runs] : reference) {
         const Moments r = moments(runs.means()), t = moments(test.at(name).means());
         if (!(r.mean > 0)) continue;
-        const double wanted = margin_of(r.mean / light) * r.mean / kErrorsInMargin;
+        const double wanted = margin_of(scene, name, r.mean / light) * r.mean / kErrorsInMargin;
         most = std::max(most, kDoubt * (t.variance + r.variance) * pilot_frames / (kRuns * wanted * wanted));
     }
-    const uint32_t cap = by_size(128u, 128u) * truth_effort();
+    const uint32_t cap = by_size(192u, 64u) * truth_effort();
     return static_cast<uint32_t>(std::min<double>(cap, 8 * std::ceil(most / 8)));
 }
 
@@ -38,8 +63,8 @@ void report_class(const TruthScene& scene, const std::string& name, const Runs& 
         row.note = "no light of this class in the reference";
         return report(row);
     }
-    const double margin = margin_of(share);
-    const Equivalence found = equivalence_test(test, reference, margin);
+    const double margin = margin_of(scene, name, share);
+    const Equivalence found = equivalence_test(test, reference, margin, name == "picture" ? kSignalRounding : kRounding);
     row.value = found.ratio, row.low = found.low, row.high = found.high;
     row.least = 1 - margin, row.most = 1 + margin;
     row.also = found.tiles_passed && found.reference_error <= margin / 4;
@@ -67,7 +92,7 @@ TEST_P(RealtimeEquality, without_the_cache_every_class_has_the_mean_of_the_refer
     };
     constexpr uint32_t kPilotFrames = 8;
     draw(pilot_test, pilot_reference, kPilotRuns, 100000, kPilotFrames);
-    const uint32_t frames = frames_needed(pilot_test, pilot_reference, kPilotFrames);
+    const uint32_t frames = frames_needed(scene, pilot_test, pilot_reference, kPilotFrames);
     draw(test, reference, kRuns, 1, frames);
     const double light = mean_of(reference.at("picture"));
     ASSERT_GT(light, 0.0);

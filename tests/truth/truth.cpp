@@ -91,7 +91,7 @@ void report(const TruthRow& row) {
 
 void report_skip(const std::string& test, const std::string& scene, const std::string& why) {
     print(fmt::format(kLine, test, scene, "-", "-", "-", "-", "-", "-", 0, 0, "SKIP", why));
-    write_line(fmt::format("{}\t{}\t-\t\t\t\t\t\t0\t0\tSKIP\t{}", test, scene, why));
+    write_line(fmt::format("{}\t{}\t-\t-\t-\t-\t-\t-\t0\t0\tSKIP\t{}", test, scene, why));
 }
 
 std::ostream& operator<<(std::ostream& out, const TruthScene& scene) { return out << scene.name; }
