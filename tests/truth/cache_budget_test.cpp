@@ -1,4 +1,6 @@
 // What the world cache may cost in truth: a bias that stays within a budget, scene by scene.
+#include <ostream>
+
 #include "truth/truth.h"
 
 namespace parhelion::testing {
@@ -45,6 +47,7 @@ struct CutCase {
     glm::vec3 from{0.0f}, at{0.0f};
     float fov_degrees = 60.0f;
 };
+std::ostream& operator<<(std::ostream& out, const CutCase& cut) { return out << cut.name; }
 constexpr CutCase kCuts[] = {
     {.name = "cornell", .scene = "builtin:cornell", .before = "front", .after = "", .from = {0.7f, 1.5f, 0.8f}, .at = {-0.5f, 0.4f, -0.4f}},
     {.name = "diorama", .scene = "builtin:diorama", .before = "nook", .after = "table", .caustics = true},

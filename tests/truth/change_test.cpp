@@ -1,5 +1,8 @@
 // Light that changes: how long the realtime renderer shows what is no longer so. Undenoised, the mean of 64 runs.
+#include <array>
 #include <cmath>
+#include <limits>
+#include <ostream>
 #include <random>
 #include <stdexcept>
 #include <utility>
@@ -19,6 +22,7 @@ struct SwitchCase {
     Lit lit;
     bool small;
 };
+std::ostream& operator<<(std::ostream& out, const SwitchCase& entry) { return out << entry.name; }
 constexpr SwitchCase kSwitches[] = {{"sun", Lit::Sun, false}, {"lamp", Lit::Lamp, true}, {"emissive_mesh", Lit::Mesh, false}};
 
 // Four metres wide, with a window in the wall x = -2 through which only the sun comes; what glows is behind the camera.
@@ -160,21 +164,55 @@ double relative_square_error(const std::vector<float>& picture, const std::vecto
     return sum / static_cast<double>(truth.size());
 }
 
+// The means of tiles of 8x8 pixels, row by row; the size is a multiple of 8.
+std::vector<float> tiles_of(const std::vector<float>& picture, uint32_t size) {
+    const uint32_t across = size / Runs::kTileSize;
+    std::vector<float> out(size_t{across} * across);
+    for (uint32_t y = 0; y < size; ++y)
+        for (uint32_t x = 0; x < size; ++x) out[size_t{y / Runs::kTileSize} * across + x / Runs::kTileSize] += picture[size_t{y} * size + x] / float(Runs::kTileSize * Runs::kTileSize);
+    return out;
+}
+
 // Pictures of runs, of which any choice has a mean.
-struct Pictures {
-    std::vector<std::vector<float>> of_runs;
-    double error_of_mean(std::span<const uint32_t> chosen, const std::vector<float>& truth) const {
-        std::vector<float> mean(truth.size());
-        for (const uint32_t run : chosen)
-            for (size_t p = 0; p < mean.size(); ++p) mean[p] += of_runs[run][p] / static_cast<float>(chosen.size());
-        return relative_square_error(mean, truth);
+using Pictures = std::vector<std::vector<float>>;
+double error_of_mean(const Pictures& pictures, std::span<const uint32_t> chosen, const std::vector<float>& truth) {
+    std::vector<float> mean(truth.size());
+    for (const uint32_t run : chosen)
+        for (size_t p = 0; p < mean.size(); ++p) mean[p] += pictures[run][p] / static_cast<float>(chosen.size());
+    return relative_square_error(mean, truth);
+}
+
+// Of a light that moves and of one that stands: sums over moments, and over the same with other choices of runs (bootstrap).
+struct Errors {
+    double moving = 0, still = 0;
+    std::vector<double> moving_again = std::vector<double>(100), still_again = std::vector<double>(100);
+
+    void add(const Pictures& of_moving, const Pictures& of_still, const std::vector<float>& truth) {
+        std::mt19937_64 rng(41);
+        const size_t runs = of_moving.size();
+        std::vector<uint32_t> all(runs), a(runs), b(runs);
+        for (uint32_t i = 0; i < runs; ++i) all[i] = i;
+        moving += error_of_mean(of_moving, all, truth);
+        still += error_of_mean(of_still, all, truth);
+        for (size_t again = 0; again < moving_again.size(); ++again) {
+            for (size_t i = 0; i < runs; ++i) a[i] = static_cast<uint32_t>(rng() % runs), b[i] = static_cast<uint32_t>(rng() % runs);
+            moving_again[again] += error_of_mean(of_moving, a, truth);
+            still_again[again] += error_of_mean(of_still, b, truth);
+        }
+    }
+    Ratio ratio(size_t runs) const {
+        std::vector<double> ratios;
+        for (size_t again = 0; again < moving_again.size(); ++again) ratios.push_back(moving_again[again] / still_again[again]);
+        return {.value = moving / still, .error = std::sqrt(moments(ratios).variance), .degrees_of_freedom = static_cast<double>(runs - 1)};
     }
 };
 
-using RealtimeMovingLight = TruthTest;
-
-// relMSE of the runs' mean against the reference of that very frame, over that of a light that has stood there all the time; bootstrap of the runs.
-TEST_F(RealtimeMovingLight, a_light_at_two_metres_a_second_is_at_most_twice_as_wrong_as_one_that_stands) {
+// The box with its lamp off and the ball that glows in it, at a moment.
+struct TorchLitBox {
+    TruthStage on;
+    ScriptedEdit torch;
+};
+TorchLitBox make_torch_lit_box() {
     LoadedScene loaded = make_builtin("builtin:cornell");
     const auto named = [&](std::string_view name) {
         for (const ScriptedEdit& edit : loaded.scripted_edits)
@@ -185,42 +223,46 @@ TEST_F(RealtimeMovingLight, a_light_at_two_metres_a_second_is_at_most_twice_as_w
     const CameraView camera = view_of((*loaded.scene.cameras().begin()).value, 1.0f);
     loaded.scene.apply(lamp.apply(loaded.scene, 1.5));  // off
     loaded.scene.apply(torch.apply(loaded.scene, 0.0));
-    TruthStage on = set_up(std::move(loaded), camera);
-    const Scene& scene = on.stage->scene;
+    return {set_up(std::move(loaded), camera), torch};
+}
+
+using RealtimeMovingLight = TruthTest;
+
+// relMSE of the runs' mean against the reference of that very frame, over that of a light that has stood there all the time: of the picture,
+// and of what comes by way of other surfaces, which alone can lag. The last row tells of the lag under the noise: no limit is set for it.
+TEST_F(RealtimeMovingLight, a_light_at_two_metres_a_second_is_at_most_twice_as_wrong_as_one_that_stands) {
     constexpr double kFramesPerSecond = 60.0;
+    constexpr const char* kParts[] = {"picture", "indirect_diffuse", "indirect_diffuse, tiles"};
+    TorchLitBox box = make_torch_lit_box();
+    TruthStage& on = box.on;
     const uint32_t size = by_size(128u, 16u), runs = by_size(64u, 12u), warm_up = by_size(64u, 16u);
-    double moving_error = 0, static_error = 0;
-    std::vector<double> ratios(100);
-    std::vector<double> moving_again(ratios.size()), static_again(ratios.size());
-    std::mt19937_64 rng(41);
-    std::vector<uint32_t> all(runs);
-    for (uint32_t i = 0; i < runs; ++i) all[i] = i;
+    const auto parts_of = [&](const image::ImageF& picture) {
+        const std::vector<float> indirect = luminance(picture, *picture.find_channel("path.indirect_diffuse.R"));
+        return std::array{luminance(picture), indirect, tiles_of(indirect, size)};
+    };
+    std::array<Errors, 3> errors;
     for (const uint32_t frame : {warm_up, warm_up + 24}) {
         const auto play = [&](bool moves) {
-            Pictures out;
+            std::array<Pictures, 3> out;
             for (uint32_t i = 0; i < runs; ++i) {
-                TruthRun run(on, size, 1 + i + (moves ? 1000 : 0), truth_options(on, true));
-                run.script = [&](uint32_t now) { return torch.apply(scene, (moves ? now : frame) / kFramesPerSecond); };
+                TruthRun run(on, size, 1 + i + (moves ? 1000 : 0), truth_options(on, true), true);
+                run.script = [&](uint32_t now) { return box.torch.apply(on.stage->scene, (moves ? now : frame) / kFramesPerSecond); };
                 run.skip(moves ? frame : warm_up);
-                out.of_runs.push_back(luminance(run.average(1)));
+                auto parts = parts_of(run.average(1));
+                for (size_t k = 0; k < out.size(); ++k) out[k].push_back(std::move(parts[k]));
             }
             return out;
         };
-        const Pictures moving = play(true), still = play(false);
-        const std::vector<float> truth = luminance(draw_reference(on, size, 9, by_size(8192u, 1024u)));  // where the light stood last
-        moving_error += moving.error_of_mean(all, truth);
-        static_error += still.error_of_mean(all, truth);
-        for (size_t again = 0; again < ratios.size(); ++again) {
-            std::vector<uint32_t> a(runs), b(runs);
-            for (uint32_t i = 0; i < runs; ++i) a[i] = static_cast<uint32_t>(rng() % runs), b[i] = static_cast<uint32_t>(rng() % runs);
-            moving_again[again] += moving.error_of_mean(a, truth);
-            static_again[again] += still.error_of_mean(b, truth);
-        }
+        const auto moving = play(true), still = play(false);
+        const auto truth = parts_of(draw_reference(on, size, 9, by_size(8192u, 1024u), true));  // where the light stood last
+        for (size_t k = 0; k < errors.size(); ++k) errors[k].add(moving[k], still[k], truth[k]);
     }
-    for (size_t again = 0; again < ratios.size(); ++again) ratios[again] = moving_again[again] / static_again[again];
-    const Ratio ratio{.value = moving_error / static_error, .error = std::sqrt(moments(ratios).variance), .degrees_of_freedom = static_cast<double>(runs - 1)};
-    report({.test = "moving", .scene = "cornell, torch", .what = "relMSE over the static one", .value = ratio.value, .low = ratio.value, .high = ratio.upper(), .least = 0, .most = by_size(2.0, 3.0), .runs = runs, .frames = 1,
-            .note = fmt::format("relMSE {:.3g}, of the static one {:.3g}", moving_error / 2, static_error / 2)});
+    for (size_t k = 0; k < errors.size(); ++k) {
+        const Ratio ratio = errors[k].ratio(runs);
+        report({.test = "moving", .scene = "cornell, torch", .what = fmt::format("relMSE, {}", kParts[k]), .value = ratio.value, .low = ratio.value, .high = ratio.upper(), .least = 0,
+                .most = k == 2 ? std::numeric_limits<double>::infinity() : by_size(2.0, 3.0), .runs = runs, .frames = 1,
+                .note = fmt::format("over the static light's; relMSE {:.3g} and {:.3g}", errors[k].moving / 2, errors[k].still / 2)});
+    }
 }
 
 }  // namespace
