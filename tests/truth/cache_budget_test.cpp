@@ -32,8 +32,10 @@ TEST_P(RealtimeBudget, with_the_cache_the_mean_and_its_tiles_stay_within_their_b
     const double wider = by_size(1.0, 2.0), mean = (scene.caustics ? kMeanWithCaustics : kMean) * wider, tile = kTile * by_size(1.0, 2.5);
     const Ratio ratio = ratio_of_means(test.means(), reference.means()), tiles = tile_quantile(test, reference, 0.95);
     const std::string after = fmt::format("after {} frames", warm_up);
-    report({.test = "cache", .scene = scene.name, .what = "mean", .value = ratio.value, .low = ratio.lower(), .high = ratio.upper(), .least = 1 - mean, .most = 1 + mean, .runs = kRuns, .frames = frames, .note = after});
-    report({.test = "cache", .scene = scene.name, .what = "95th percentile of tiles", .value = tiles.value, .low = tiles.value, .high = tiles.upper(), .least = 0, .most = tile, .runs = kRuns, .frames = frames, .note = after});
+    report({.test = "cache", .scene = scene.name, .what = "mean", .value = ratio.value, .low = ratio.lower(), .high = ratio.upper(), .least = 1 - mean, .most = 1 + mean,
+            .runs = kRuns, .frames = frames, .note = after});
+    report({.test = "cache", .scene = scene.name, .what = "95th percentile of tiles", .value = tiles.value, .low = tiles.value, .high = tiles.upper(), .least = 0, .most = tile,
+            .runs = kRuns, .frames = frames, .note = after});
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, RealtimeBudget, ::testing::ValuesIn(truth_scenes().begin(), truth_scenes().end()), scene_name);
@@ -85,7 +87,8 @@ TEST_P(RealtimeCut, the_first_frames_after_a_camera_cut_have_the_mean_of_any_fra
     const double margin = (cut.caustics ? kMeanWithCaustics : kMean) * by_size(1.0, 5.0);
     for (size_t k = 0; k < std::size(kFrames); ++k) {
         const Ratio ratio = ratio_of_means(found[k], reference);
-        report({.test = "cut", .scene = cut.name, .what = fmt::format("mean of frame {}", kFrames[k]), .value = ratio.value, .low = ratio.lower(), .high = ratio.upper(), .least = 1 - margin, .most = 1 + margin, .runs = runs, .frames = 1});
+        report({.test = "cut", .scene = cut.name, .what = fmt::format("mean of frame {}", kFrames[k]), .value = ratio.value,
+                .low = ratio.lower(), .high = ratio.upper(), .least = 1 - margin, .most = 1 + margin, .runs = runs, .frames = 1});
     }
 }
 

@@ -38,7 +38,8 @@ double brightest(const image::ImageF& picture) {
 
 void report_leak(const char* scene, const std::string& what, double leaked, double bright) {
     const double share = leaked / bright;
-    report({.test = "leak", .scene = scene, .what = what, .value = share, .low = share, .high = share, .least = 0, .most = kLimit, .runs = 1, .frames = frame_count(), .note = "brightest pixel of any frame over the bright side's mean"});
+    report({.test = "leak", .scene = scene, .what = what, .value = share, .low = share, .high = share, .least = 0, .most = kLimit, .runs = 1,
+            .frames = frame_count(), .note = "brightest pixel of any frame over the bright side's mean"});
 }
 
 class RealtimeLeaks : public TruthTest {

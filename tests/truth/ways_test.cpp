@@ -44,8 +44,10 @@ TEST_P(RealtimeWays, every_way_to_trace_gives_the_same_first_frame_and_the_same_
         }
         const double share = share_equal(of_first, first);
         const Ratio ratio = paired_ratio(of_way, means);
-        report({.test = "ways", .scene = name, .what = fmt::format("{}: equal pixels", gpu::trace_way_name(way)), .value = share, .low = share, .high = share, .least = equal_share, .most = 1, .runs = 1, .frames = 1, .note = "of frame 1, beside compute"});
-        report({.test = "ways", .scene = name, .what = fmt::format("{}: mean", gpu::trace_way_name(way)), .value = ratio.value, .low = ratio.lower(kConfidence), .high = ratio.upper(kConfidence), .least = 1 - margin, .most = 1 + margin, .runs = kRuns, .frames = frames, .note = "over compute's, pairs of one seed"});
+        report({.test = "ways", .scene = name, .what = fmt::format("{}: equal pixels", gpu::trace_way_name(way)), .value = share, .low = share,
+                .high = share, .least = equal_share, .most = 1, .runs = 1, .frames = 1, .note = "of frame 1, beside compute"});
+        report({.test = "ways", .scene = name, .what = fmt::format("{}: mean", gpu::trace_way_name(way)), .value = ratio.value,
+                .low = ratio.lower(kConfidence), .high = ratio.upper(kConfidence), .least = 1 - margin, .most = 1 + margin, .runs = kRuns, .frames = frames, .note = "over compute's, pairs of one seed"});
     }
     on.way = own;
 }
