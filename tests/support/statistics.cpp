@@ -93,9 +93,6 @@ double welch(double a, double df_a, double b, double df_b) {
     return denominator > 0 ? (a + b) * (a + b) / denominator : std::numeric_limits<double>::infinity();
 }
 
-// Float images that should be equal differ by rounding where nothing is random; this much of a value is no difference.
-constexpr double kRounding = 1e-6;
-
 }  // namespace
 
 double upper_gamma(double a, double x) {
@@ -199,7 +196,7 @@ void judge_mean(const Runs& test, const Runs& reference, double margin, Equivale
     out.mean_passed = out.low >= 1 - margin && out.high <= 1 + margin && out.reference_error <= margin / 4;
 }
 
-void judge_tiles(const Runs& test, const Runs& reference, Equivalence& out) {
+void judge_tiles(const Runs& test, const Runs& reference, double rounding, Equivalence& out) {
     const double dark = kDarkTile * moments(reference.means()).mean;
     for (uint32_t tile = 0; tile < reference.tile_count(); ++tile) {
         const Moments t = moments(test.tile_means(tile)), r = moments(reference.tile_means(tile));
@@ -207,19 +204,19 @@ void judge_tiles(const Runs& test, const Runs& reference, Equivalence& out) {
         ++out.tiles;
         const double var_t = t.variance / static_cast<double>(t.count), var_r = r.variance / static_cast<double>(r.count);
         const double df = welch(var_t, static_cast<double>(t.count - 1), var_r, std::max<double>(1, static_cast<double>(r.count) - 1));
-        const double error = std::max(std::sqrt(var_t + var_r), kRounding * r.mean);
+        const double error = std::max(std::sqrt(var_t + var_r), rounding * r.mean);
         if (!(two_sided_p((t.mean - r.mean) / error, df) >= kTileLevel)) ++out.tiles_over;
     }
     out.tiles_allowed = static_cast<uint32_t>(binomial_quantile(kTileCountProbability, out.tiles, kTileLevel));
     out.tiles_passed = out.tiles_over <= out.tiles_allowed;
 }
 
-Equivalence judge(const Runs& test, const Runs& reference, double margin) {
+Equivalence judge(const Runs& test, const Runs& reference, double margin, double rounding) {
     require(test.count() >= kMinRuns, "the equivalence test needs at least 32 runs");
     require(test.tile_count() == reference.tile_count(), "test and reference differ in size");
     Equivalence out;
     judge_mean(test, reference, margin, out);
-    judge_tiles(test, reference, out);
+    judge_tiles(test, reference, rounding, out);
     out.passed = out.mean_passed && out.tiles_passed;
     out.text = fmt::format("ratio {:.6f} in [{:.6f}, {:.6f}], margin {:.4f}, reference error {:.6f} (at most {:.6f}), {} of {} tiles differ ({} allowed), {} runs",
                            out.ratio, out.low, out.high, margin, out.reference_error, margin / 4, out.tiles_over, out.tiles, out.tiles_allowed, test.count());
@@ -228,14 +225,14 @@ Equivalence judge(const Runs& test, const Runs& reference, double margin) {
 
 }  // namespace
 
-Equivalence equivalence_test(const Runs& test, const Runs& reference, double margin) {
+Equivalence equivalence_test(const Runs& test, const Runs& reference, double margin, double rounding) {
     require(reference.count() >= 2, "the reference needs at least 2 runs, for its own error; equivalence_test_exact takes an exact truth");
-    return judge(test, reference, margin);
+    return judge(test, reference, margin, rounding);
 }
 
 Equivalence equivalence_test_exact(const Runs& test, const Runs& truth, double margin) {
     require(truth.count() == 1, "an exact truth is one plane");
-    return judge(test, truth, margin);
+    return judge(test, truth, margin, kRounding);
 }
 
 namespace {

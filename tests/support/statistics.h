@@ -58,6 +58,9 @@ private:
     std::vector<std::vector<double>> tiles_;
 };
 
+// Float images that should be equal differ by rounding where nothing is random; this much of a value is no difference.
+constexpr double kRounding = 1e-6;
+
 struct Equivalence {
     bool passed = false;                     // both below
     bool mean_passed = false;                // the interval lies inside 1 +- margin, and the reference is precise enough
@@ -74,7 +77,8 @@ struct Equivalence {
 //   Tiles: of the 8x8 tiles brighter than 1 % of the reference's mean, as many may differ by |t| above its 99 % point as the 99.9 %
 //   binomial quantile says: 4 of 64, 8 of 220, 14 of 576. So an equal pair fails by its tiles once in a thousand times.
 // Throws std::invalid_argument for fewer than 32 test runs, fewer than 2 reference runs, or a mean that is not positive.
-Equivalence equivalence_test(const Runs& test, const Runs& reference, double margin);
+// `rounding`: of pictures that are stored with fewer bits than a float has, relative.
+Equivalence equivalence_test(const Runs& test, const Runs& reference, double margin, double rounding = kRounding);
 // The same against a truth that is known exactly (a closed form): a plane like a run's.
 Equivalence equivalence_test_exact(const Runs& test, const Runs& truth, double margin);
 

@@ -173,6 +173,16 @@ TEST(EquivalenceTest, judges_no_dark_tile_and_forgives_rounding) {
     EXPECT_EQ(e.tiles_over, 0u);
 }
 
+TEST(EquivalenceTest, forgives_as_much_rounding_as_the_caller_says_that_there_is) {
+    Runs test(8, 8), reference(8, 8);
+    for (int i = 0; i < 32; ++i) {
+        reference.add_run(std::vector<float>(64, 1.0f));
+        test.add_run(std::vector<float>(64, 1.0f + 0x1p-15f));
+    }
+    EXPECT_EQ(equivalence_test(test, reference, 0.01).tiles_over, 1u);
+    EXPECT_EQ(equivalence_test(test, reference, 0.01, 0x1p-15).tiles_over, 0u);
+}
+
 TEST(EquivalenceTest, refuses_too_few_runs_and_unusable_means) {
     std::mt19937_64 rng(9);
     const Renderer small{.width = 8, .height = 8};

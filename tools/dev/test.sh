@@ -43,7 +43,7 @@ run_tests() { # run_tests PRESET FILTER CTEST-ARGUMENTS...: prints the summary; 
         [[ $filter == *[*?:]* ]] || filter="*$filter*"
         export GTEST_FILTER=$filter
         # Tests that are no GoogleTest programs have no cases to choose from; the masked ones have a filter of their own.
-        set -- "$@" -LE '^(truth|soak|script|embed|fuzz|masked)$'
+        if [[ "$*" != '-L ^truth$' ]]; then set -- "$@" -LE '^(truth|soak|script|embed|fuzz|masked)$'; fi
     fi
     if [[ $preset == asan ]]; then
         export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_stack_use_after_return=1} UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
@@ -114,7 +114,19 @@ long_tests() { # long_tests LABEL [FILTER]
     run_tests release "$filter" -L "^$label\$"
 }
 
-cmd_truth() { long_tests truth "$@"; }
+# One line for each thing that was compared, also where it failed: build/release/truth.tsv, and on stdout.
+cmd_truth() {
+    local status=0
+    export PARHELION_TRUTH_TABLE=$build_dir/release/truth.tsv
+    rm -f "$PARHELION_TRUTH_TABLE"
+    long_tests truth "$@" || status=$?
+    if [[ -s $PARHELION_TRUTH_TABLE ]]; then
+        printf '\n'
+        column -t -s "$(printf '\t')" "$PARHELION_TRUTH_TABLE" 2>/dev/null || cat "$PARHELION_TRUTH_TABLE"
+        say "The table: ${PARHELION_TRUTH_TABLE#"$root"/}"
+    fi
+    return $status
+}
 cmd_soak() { long_tests soak "$@"; }
 
 # For SECONDS, a share of the targets on each core; what they find stays in build/fuzz/corpus and is where the next run begins.
