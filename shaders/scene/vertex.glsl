@@ -24,6 +24,7 @@ struct VertexResult {
     vec3 arriving;    // radiance that the path's ray brought here, throughput and MIS weight included
     NextEvent event;
     bool goes_on;     // the path has a next ray
+    float t;          // metres to what the path's ray met
 };
 
 // MIS weight of light reached by the last BSDF sample, which light sampling would have found with light_pdf.
@@ -63,6 +64,7 @@ VertexResult end_in_sky(ViewData view, PathState path, inout FirstHit first) {
     VertexResult result;
     result.event.exists = false;
     result.goes_on = false;
+    result.t = kInfinity;
     result.arriving = path.throughput * (arriving_environment(path, view.light_sampling) + arriving_suns(path, view.light_sampling));
     if (kLayers) result.arriving *= medium_transmittance(medium_there(path.media), kInfinity);
     if (path.path_class.bounce == 0u && !path.path_class.transmitted) first.emission = result.arriving;
@@ -240,6 +242,7 @@ VertexResult shade_vertex(ViewData view, PathKey key, Hit hit, inout PathState p
     result.goes_on = false;
     Surface s = fetch_surface(hit, path.ray, path.cone);
     s.integer_offset = (view.flags & kViewIntegerOffset) != 0u;
+    result.t = s.t;
     if (kLayers) path.throughput *= medium_transmittance(medium_there(path.media), s.t);
     const uint bounce = path.path_class.bounce;
     result.arriving = path.throughput * arriving_emission(path, s, view.light_sampling);

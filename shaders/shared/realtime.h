@@ -51,8 +51,31 @@ struct RealtimeFrame {
     float exposure;     // stored radiance is nits times this
     uint candidates;    // light samples that the first surface's one is chosen from
     uint tiles;         // 1: they come from light tiles
-    uint listed_group;  // invocations of a work group of light's second kernel
     uint path_bounces;  // reflections after which a path ends in the cache whatever it meets, but for glass
+};
+
+// A path of the frame between two of its vertices, beside its ray (WavefrontRay): 48 bytes.
+struct LightPath {
+    vec3 throughput;
+    float pdf;
+    vec3 diffuse_share;  // of the path class
+    float travelled;
+    float cone_width, cone_spread;  // of its footprint in the world cache, with:
+    float way;                      // metres from the camera
+    uint lobes;                     // reflections so far, and kLobeBroad
+};
+SHARED_CONST uint kLobeBroad = 0x80000000u;  // the last lobe was at least as broad as a cosine
+
+// What only scenes with LAYERS add to it: 20 bytes.
+struct LightPathInside {
+    uvec4 media;
+    float radiance_scale;
+};
+
+// What the vertex's shadow ray brings if it is free: 40 bytes.
+struct LightPending {
+    vec3 diffuse, specular, transmission;
+    uint direct;  // 1: at the first surface
 };
 
 SHARED_END

@@ -1,42 +1,102 @@
 #include "renderers/realtime.h"
 
+#include <algorithm>
+
 #include "base/error.h"
 #include "renderers/slice.h"
+#include "shared/scene.h"
 
 namespace parhelion {
 
+namespace {
+
+constexpr uint32_t kUsualSlots = 1u << 20;  // as many as keep a large GPU busy, in 280 MB
+constexpr uint32_t kTileRows = 8;           // bands are whole squares of 64 pixels
+constexpr uint32_t kPassings = 16;          // panes, and boundaries that are none, along a path in all
+
+}  // namespace
+
 Realtime::Realtime(gpu::DevicePtr device, const View& view, const RealtimeOptions& options)
-    : options_(options),
+    : device_(device),
+      options_(options),
       gbuffer_(passes::make_gbuffer(device, {view.film().width, view.film().height})),
       signals_(passes::make_signals(device, uint64_t{view.film().width} * view.film().height)),
       tiles_(passes::make_light_tiles(device)) {
+    if (!device->caps().subgroup_ballot)
+        throw Error(ErrorCode::MissingFeature, "the realtime renderer needs subgroup ballots in compute shaders, which the device lacks", escape_name(device->caps().name), "use --renderer reference");
     if (options.gbuffer == GBufferMode::Raster && !device->caps().raster)
         throw Error(ErrorCode::MissingFeature, "the device cannot draw", "gbuffer.mode=raster", "use gbuffer.mode=trace");
     if (options.gbuffer == GBufferMode::Raster && view.desc().camera.lens_radius > 0)
         throw Error(ErrorCode::Usage, "a camera with a lens is traced", "gbuffer.mode=raster", "use gbuffer.mode=trace");
     if (options.cache) cache_.emplace(device, options.cache_options);
+    const uint32_t rows = (options.slots != 0 ? options.slots : kUsualSlots) / view.film().width / kTileRows * kTileRows;
+    band_rows_ = std::clamp(rows, std::min(kTileRows, view.film().height), view.film().height);
+}
+
+// Vertices of the longest path, and so rounds of a band.
+uint32_t Realtime::path_length(const SceneGpu& scene, const View& view) const {
+    const uint32_t depth = view.desc().max_bounces;
+    if ((scene.features() & shared::kSceneLayers) != 0) return depth + 1 + kPassings;
+    return (options_.cache ? std::min(depth, options_.path_bounces) : depth) + 1;
+}
+
+void Realtime::trace_band(passes::LightPass pass, uint32_t path_length) {
+    passes::begin_paths(pass);
+    for (; pass.round < path_length; ++pass.round) {
+        if (pass.round != 0) {
+            passes::prepare_wavefront(pass.tracing(), shared::kAfterGenerate);
+            passes::extend(pass.tracing());
+            passes::sort_hits(pass.tracing());
+        }
+        passes::prepare_wavefront(pass.tracing(), shared::kAfterSort);
+        passes::shade_paths(pass);
+        passes::prepare_wavefront(pass.tracing(), shared::kAfterShade);
+        passes::connect_paths(pass);
+    }
+    passes::gather_paths(pass);
+}
+
+void Realtime::trace_paths(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const View& view) {
+    const bool layers = (scene.features() & shared::kSceneLayers) != 0;
+    if (!paths_.paths || layers != paths_have_layers_) paths_ = passes::make_light_paths(device_, band_rows_ * view.film().width, layers);
+    paths_have_layers_ = layers;
+    const shared::RealtimeFrame settings{.frame_index = frame_index_,
+                                         .exposure = options_.exposure,
+                                         .candidates = options_.candidates,
+                                         .tiles = options_.tiles,
+                                         .path_bounces = options_.path_bounces};
+    for (uint32_t row = 0; row < view.film().height; row += band_rows_) {
+        const shared::Slice band{.first_row = row, .row_count = std::min(band_rows_, view.film().height - row), .first_sample = frame_index_, .sample_count = 1};
+        trace_band({.frame = frame,
+                    .scene = scene,
+                    .way = way,
+                    .film = view.film(),
+                    .gbuffer = gbuffer_,
+                    .paths = paths_,
+                    .signals = signals_,
+                    .tiles = tiles_,
+                    .cache = cache_ ? &cache_->buffer() : nullptr,
+                    .settings = settings,
+                    .band = band},
+                   path_length(scene, view));
+    }
 }
 
 void Realtime::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, View& view, bool ends_range) {
     const passes::Film& film = view.film();
     const auto sample = static_cast<uint32_t>(view.accumulation().samples++);
     const shared::Slice slice{.first_row = 0, .row_count = film.height, .first_sample = sample, .sample_count = 1};
-    const shared::RealtimeFrame settings{.frame_index = frame_index_,
-                                         .exposure = options_.exposure,
-                                         .candidates = options_.candidates,
-                                         .tiles = options_.tiles,
-                                         .path_bounces = options_.path_bounces};
     begin_slice(frame, scene, way, view, slice);
     if (options_.gbuffer == GBufferMode::Raster) passes::raster_identity(frame, scene, film, gbuffer_.identity, raster_, frame_index_);
     else passes::trace_identity(frame, scene, way, film, gbuffer_, frame_index_);
     passes::summarise_surfaces(frame, scene, film, gbuffer_, frame_index_, options_.exposure);
-    if (options_.tiles) passes::draw_light_tiles(frame, scene, tiles_, frame_index_, view.desc().seed);
+    if (options_.tiles) passes::draw_light_tiles(frame, scene, tiles_, frame_index_, view.desc().seed, {film.width, film.height});
     if (cache_) {
         const bool changed = scene_version_ != 0 && scene.version() != scene_version_;
         passes::update_cache(frame, scene, way, *cache_, {.frame_index = frame_index_, .seed = view.desc().seed, .exposure = options_.exposure, .lights_changed = changed, .view = film.view});
         scene_version_ = scene.version();
     }
-    passes::light(frame, scene, way, film, gbuffer_, tiles_, cache_ ? &cache_->buffer() : nullptr, signals_, settings);
+    trace_paths(frame, scene, way, view);
     passes::composite(frame, film, gbuffer_, signals_, options_.exposure);
     end_slice(frame, view, slice, ends_range);
     ++frame_index_;

@@ -22,6 +22,7 @@ struct RealtimeOptions {
     bool tiles = true;        // they come from light tiles; false: the light is sampled as by the reference
     bool cache = true;           // paths end in the world cache; false: they go to the view's depth
     uint32_t path_bounces = 3;   // reflections after which a path ends in the cache whatever it meets, but for glass
+    uint32_t slots = 0;          // paths at a time, in bands of whole rows; 0: 2^20. Pictures do not depend on it
     CacheOptions cache_options;
     float exposure = 1.0f;    // stored radiance is nits times this; about 1 over the nits of white
 };
@@ -43,10 +44,18 @@ public:
     void set_exposure(float exposure) { options_.exposure = exposure; }
 
 private:
+    uint32_t path_length(const SceneGpu& scene, const View& view) const;
+    void trace_band(passes::LightPass pass, uint32_t path_length);
+    void trace_paths(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const View& view);
+
+    gpu::DevicePtr device_;
     RealtimeOptions options_;
     passes::GBuffer gbuffer_;
     passes::RasterHistory raster_;
     passes::Signals signals_;
+    passes::LightPaths paths_;
+    bool paths_have_layers_ = false;
+    uint32_t band_rows_ = 0;
     gpu::Buffer tiles_;
     std::optional<LightCache> cache_;
     uint64_t scene_version_ = 0;

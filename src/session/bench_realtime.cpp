@@ -106,7 +106,7 @@ std::string realtime_bench_table(const std::vector<RealtimeBenchRow>& rows, cons
     out += fmt::format("{:<28} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9} {:>10} {:>9} {:>9}\n", "scene", "gbuffer", "tiles", "cache", "light", "compose", "lighting", "rays/px", "live cells", "updated", "its rays");
     for (const RealtimeBenchRow& row : rows)
         out += fmt::format("{:<28} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>9.3f} {:>9.3f} {:>10.0f} {:>9.0f} {:>9.0f}\n", escape_name(row.scene), row.ms("gbuffer/"), row.ms("lights/"), row.ms("cache/"),
-                           row.ms("realtime/light"), row.ms("realtime/composite"), row.ms("lights/") + row.ms("cache/") + row.ms("realtime/"), row.rays_per_pixel, row.live_cells, row.updated_cells, row.cache_rays);
+                           row.ms("realtime/") + row.ms("wavefront/") - row.ms("realtime/composite"), row.ms("realtime/composite"), row.ms("lights/") + row.ms("cache/") + row.ms("realtime/") + row.ms("wavefront/"), row.rays_per_pixel, row.live_cells, row.updated_cells, row.cache_rays);
     return out;
 }
 

@@ -25,10 +25,8 @@ TEST_F(RealtimePicture, without_tiles_a_frame_is_a_sample_of_the_reference) {
         const RayCounts rays = stage.rays;
         const image::ImageF found = image::resolve_film(stage.play(shot, {.tiles = false, .cache = false}));
         EXPECT_GT(mean_rgb(expected), 0.0);
-        // Of pixels that the kernel of plain materials gives up the rays until then come on top.
-        const bool two_kernels = (stage.scene_gpu.features() & shared::kSceneLayers) != 0;
-        EXPECT_TRUE(two_kernels ? stage.rays.path + 2 * 32 * 32 >= rays.path : stage.rays.path + 2 * 32 * 32 == rays.path);
-        EXPECT_TRUE(two_kernels ? stage.rays.shadow >= rays.shadow : stage.rays.shadow == rays.shadow);
+        EXPECT_EQ(stage.rays.path + 2 * 32 * 32, rays.path);  // what pixels see is not traced here
+        EXPECT_EQ(stage.rays.shadow, rays.shadow);
         for (size_t c = 0; c < expected.channels.size(); ++c) {
             double worst = 0.0;
             for (size_t p = 0; p < expected.pixel_count(); ++p) {

@@ -10,11 +10,6 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Ti
 
 const uint kCandidateSalt = 0x43414E44u;
 
-// One tile for 8x8 pixels, another one each frame.
-uint tile_of(uvec2 pixel, uint frame_index, uint seed) {
-    return pcg4d(uvec4(pixel / 8u, frame_index, seed)).x % kTileCount;
-}
-
 // About what a candidate adds: luminance of BSDF, cosine, light over density, with the weight of MIS. Positive where that is.
 float candidate_target(ViewData view, Shading shading, TileView candidate, float bsdf_share) {
     if (max_component(candidate.light) <= 0.0) return 0.0;

@@ -8,7 +8,7 @@ namespace parhelion::passes {
 
 // TileSample[kTileCount][kTileSamples], 4 MiB.
 gpu::Buffer make_light_tiles(const gpu::DevicePtr& device);
-// Draws them anew for a frame; before anyone reads them.
-void draw_light_tiles(Frame& frame, const SceneGpu& scene, const gpu::Buffer& tiles, uint32_t frame_index, uint32_t seed);
+// Draws them anew for a frame of a picture's size; before anyone reads them.
+void draw_light_tiles(Frame& frame, const SceneGpu& scene, const gpu::Buffer& tiles, uint32_t frame_index, uint32_t seed, glm::uvec2 size);
 
 }  // namespace parhelion::passes

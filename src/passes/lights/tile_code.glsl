@@ -42,4 +42,9 @@ TileView view_tile_sample(TileSample t, vec3 x_ws) {
     result.light *= geometry;
     return result;
 }
+
+// One tile for 8x8 pixels, another one each frame.
+uint tile_of(uvec2 pixel, uint frame_index, uint seed) {
+    return pcg4d(uvec4(pixel / 8u, frame_index, seed)).x % kTileCount;
+}
 #endif

@@ -1,5 +1,6 @@
 #version 460
-// Draws the light samples of all tiles. Every number is keyed by the sample's place and the frame.
+// Draws the light samples of the tiles, of small pictures only those that are read. Every number is keyed by the sample's place and the
+// frame.
 // Reads: scene. Writes: tiles. Document 000; Wyman and Panteleev 2021.
 // variants: LAYERS
 #extension GL_GOOGLE_include_directive : require
@@ -10,7 +11,19 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer T
 layout(push_constant, scalar) uniform Push {
     Tiles tiles;
     uint frame_index, seed;
+    uint width, height;  // of the picture
 } push;
+
+// A picture of few squares of 8x8 pixels does not read all tiles.
+bool is_read(uint tile) {
+    const uint kFew = 64u;
+    const uvec2 squares = (uvec2(push.width, push.height) + 7u) / 8u;
+    const uint count = squares.x * squares.y;
+    if (count > kFew) return true;
+    for (uint i = 0u; i < count; ++i)
+        if (tile_of(8u * uvec2(i % squares.x, i / squares.x), push.frame_index, push.seed) == tile) return true;
+    return false;
+}
 
 TileSample draw_sample(uint place) {
     const TileSample none = TileSample(vec3(0.0), 0u, kTileNone << kTileKindShift, 0.0, kNone, 0u);
@@ -37,5 +50,5 @@ TileSample draw_sample(uint place) {
 
 void main() {
     const uint place = gl_GlobalInvocationID.x;
-    if (place < kTileCount * kTileSamples) push.tiles.v[place] = draw_sample(place);
+    if (place < kTileCount * kTileSamples && is_read(place / kTileSamples)) push.tiles.v[place] = draw_sample(place);
 }

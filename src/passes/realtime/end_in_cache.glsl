@@ -2,18 +2,9 @@
 // diffusely is what the cache knows; only what its other lobes scatter goes on. After Solari 0.20, with the specular part kept.
 #ifndef PARHELION_REALTIME_END_IN_CACHE_GLSL
 #define PARHELION_REALTIME_END_IN_CACHE_GLSL
+#include "realtime/paths.glsl"
 #include "scene/cache.glsl"
 #include "scene/vertex.glsl"
-
-// The cone that the path sees the scene through, and its length from the camera. As wide as its lobes scatter.
-struct Footprint {
-    RayCone cone;
-    float way;     // metres
-    bool broad;    // the last lobe was at least as broad as a cosine
-    uint reflections;  // scatterings so far that did not go through a surface
-};
-
-Footprint first_footprint(ViewData view) { return Footprint(RayCone(view.pixel_width, view.pixel_spread), 0.0, false, 0u); }
 
 // To a surface t metres on, and by the lobe of a density from there, which goes through the surface or not.
 void advance(inout Footprint f, float t) {

@@ -1,6 +1,8 @@
 #pragma once
-// Passes of the realtime renderer after the G-buffer.
+// Passes of the realtime renderer after the G-buffer. A frame's paths live in slots, one a pixel, a band of rows at a time; they are traced
+// and sorted by the wavefront's kernels, and shaded by their own.
 #include "passes/gbuffer/gbuffer.h"
+#include "passes/wavefront/wavefront.h"
 
 namespace parhelion::passes {
 
@@ -9,13 +11,39 @@ struct Signals {
     gpu::Buffer diffuse, specular;  // PackedLight[pixels]; what goes through the first surface counts as specular
     gpu::Buffer emission;           // PackedLight[pixels]: seen straight
     gpu::Buffer distances;          // half2[pixels]: metres to what the path met first, twice
-    gpu::Buffer list;               // realtime/listed.glsl: work size, count, uint[pixels]
 };
 Signals make_signals(const gpu::DevicePtr& device, uint64_t pixels);
 
-// `cache`: LightCache::buffer(), where paths may end in it.
-void light(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const Film& film, const GBuffer& gbuffer, const gpu::Buffer& tiles, const gpu::Buffer* cache,
-           const Signals& signals, shared::RealtimeFrame settings);
+// Paths of a band: 276 bytes a slot, 20 of them only in scenes of layered materials.
+struct LightPaths {
+    WavefrontState machine;             // its control, sizes, lists, rays, hits, shadow_rays and shadow_list
+    gpu::Buffer paths, pending, sums;   // LightPath, LightPending, WavefrontClassSums [slots]
+    gpu::Buffer inside;                 // LightPathInside[slots]; one without layers
+};
+LightPaths make_light_paths(const gpu::DevicePtr& device, uint32_t slots, bool layers);
+
+// What the passes of a band have in common.
+struct LightPass {
+    Frame& frame;
+    const SceneGpu& scene;
+    gpu::TraceWay way;
+    const Film& film;
+    const GBuffer& gbuffer;
+    const LightPaths& paths;
+    const Signals& signals;
+    const gpu::Buffer& tiles;
+    const gpu::Buffer* cache;  // LightCache::buffer(), where paths may end in it
+    shared::RealtimeFrame settings;
+    shared::Slice band;        // one sample, of the frame's index, of as many pixels as there are slots at most
+    uint32_t round = 0;        // rays that each path has traced
+
+    WavefrontPass tracing() const;  // for prepare_wavefront, extend and sort_hits
+};
+
+void begin_paths(const LightPass& pass);   // at the first surfaces, sorted for shade_paths
+void shade_paths(const LightPass& pass);   // a kernel for each class of materials that the scene has
+void connect_paths(const LightPass& pass);
+void gather_paths(const LightPass& pass);  // the band's signals
 
 // The picture, as one sample of the film.
 void composite(Frame& frame, const Film& film, const GBuffer& gbuffer, const Signals& signals, float exposure);

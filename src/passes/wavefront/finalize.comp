@@ -18,10 +18,6 @@ layout(push_constant, scalar) uniform Push {
     uint round_length;
 } push;
 
-WavefrontClassSums pack_classes(PathRadiance sums) {
-    return WavefrontClassSums(sums.emission, sums.direct_diffuse, sums.direct_specular, sums.indirect_diffuse, sums.indirect_specular, sums.transmission);
-}
-
 void add_by_class(inout PathRadiance sums, uint entry, WavefrontVertex vertex) {
     const WavefrontSplit split_light = push.splits.v[entry];
     const PathClass path_class = unpack_class(vertex.bits, split_light.diffuse_share);

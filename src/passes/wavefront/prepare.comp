@@ -13,6 +13,7 @@ layout(push_constant, scalar) uniform Push {
     RayCounts rays;
     uint stage;                     // kAfter...
     uint round_begins, round_ends;  // no shadow ray waits for Connect yet; all are there
+    uint rays_used;                 // nobody reads the list of rays any more
     uint tracing_group, row;        // invocations of a group of the tracing kernels; most groups in one row
 } push;
 
@@ -41,10 +42,10 @@ void main() {
     } else if (push.stage == kAfterSort) {
         for (uint i = 0u; i < kClassCount; ++i) set_size(kListClasses + i, kListClasses + i, kWavefrontGroup);
     } else {
-        push.control.v.count[kListRays] = 0u;
         const uint count = min(push.control.v.count[kListShadows], push.control.v.shadow_capacity);
         push.control.v.count[kListShadows] = count;
         if (push.round_ends != 0u) add_rays(kRayShadow, count);
         set_size(kListShadows, kListShadows, push.tracing_group);
     }
+    if (push.rays_used != 0u) push.control.v.count[kListRays] = 0u;
 }

@@ -17,7 +17,7 @@ struct BeginPush {
 };
 struct PreparePush {
     uint64_t control, sizes, rays;
-    uint32_t stage, round_begins, round_ends, tracing_group, row;
+    uint32_t stage, round_begins, round_ends, rays_used, tracing_group, row;
 };
 
 constexpr uint32_t kTracingGroup = 64;  // scene/trace.glsl
@@ -88,6 +88,7 @@ void prepare_wavefront(const WavefrontPass& pass, uint32_t stage) {
         .push(PreparePush{.stage = stage,
                           .round_begins = pass.round == 0,
                           .round_ends = pass.round + 1 == pass.state.shape.round_length,
+                          .rays_used = stage == (pass.state.shape.classes ? shared::kAfterSort : shared::kAfterShade),
                           .tracing_group = tracing_group,
                           .row = kRowGroups})
         .over(1);

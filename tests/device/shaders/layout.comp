@@ -47,6 +47,9 @@ layout(set = 1, binding = 0, scalar) buffer AllStructs {
     TileSample tile_sample[2];
     PackedLight packed_light[2];
     RealtimeFrame realtime_frame[2];
+    LightPath light_path[2];
+    LightPathInside light_path_inside[2];
+    LightPending light_pending[2];
     CacheHeader cache_header[2];
     CacheFrameData cache_frame_data[2];
     CacheSize cache_size[2];
@@ -99,6 +102,9 @@ void main() {
         all_structs.tile_sample[i] = value.tile_sample[i];
         all_structs.packed_light[i] = value.packed_light[i];
         all_structs.realtime_frame[i] = value.realtime_frame[i];
+        all_structs.light_path[i] = value.light_path[i];
+        all_structs.light_path_inside[i] = value.light_path_inside[i];
+        all_structs.light_pending[i] = value.light_pending[i];
         all_structs.cache_frame_data[i] = value.cache_frame_data[i];
         all_structs.cache_size[i] = value.cache_size[i];
     }

@@ -1,0 +1,155 @@
+// Begin, Shade, Connect and Gather of the frame's paths.
+#include <algorithm>
+#include <span>
+#include <string>
+
+#include "passes/realtime/realtime.h"
+#include "shared/scene.h"
+
+namespace parhelion::passes {
+
+namespace {
+
+struct BeginPush {
+    uint64_t view, control, lists, rays, paths, inside, hits, sums, distances;
+    uint32_t has_inside;
+};
+template <size_t kAddresses>
+struct ShadePush {
+    uint64_t addresses[kAddresses];  // filled in by the bindings
+    shared::RealtimeFrame frame;
+    uint32_t list, round;
+};
+struct ConnectPush {
+    uint64_t view, control, shadow_list, shadow_rays, pending, sums, rays;
+};
+struct GatherPush {
+    uint64_t view, control, sums, diffuse, specular, emission, block;
+    float exposure;
+};
+
+bool has_layers(const LightPass& pass) { return (pass.scene.features() & shared::kSceneLayers) != 0; }
+uint32_t pixels(const LightPass& pass) { return pass.film.width * pass.band.row_count; }
+
+// Over the band's slots, in rows that every device takes.
+void over_slots(const LightPass& pass, Pass& kernel) {
+    constexpr uint32_t kRow = 1u << 20;
+    const uint32_t count = pixels(pass);
+    kernel.over(std::min(count, kRow), (count + kRow - 1) / kRow);
+}
+
+// `feature`: without it no material of the scene is of the class; 0: some always may be.
+struct Class {
+    uint32_t number, feature;
+    bool layered;
+};
+constexpr Class kClasses[] = {{shared::kClassPlain, 0, false},
+                              {shared::kClassEmitter, shared::kSceneEmitters, false},
+                              {shared::kClassMiss, 0, false},
+                              {shared::kClassCoated, shared::kSceneCoats, true},
+                              {shared::kClassTransmissive, shared::kSceneTransmits, true}};
+
+void shade_class(const LightPass& pass, const std::string& variant, uint32_t list) {
+    const WavefrontState& machine = pass.paths.machine;
+    Pass kernel = pass.frame.compute("realtime/shade", variant);
+    kernel.scene(pass.scene.binding())
+        .read("view", pass.film.view)
+        .read_write("control", machine.control)
+        .read_write("lists", machine.lists)
+        .read_write("rays", machine.rays)
+        .read_write("paths", pass.paths.paths)
+        .read_write("inside", pass.paths.inside)
+        .read("hits", machine.hits)
+        .read_write("sums", pass.paths.sums)
+        .write("shadow_list", machine.shadow_list)
+        .write("shadow_rays", machine.shadow_rays)
+        .read_write("pending", pass.paths.pending)
+        .read_write("distances", pass.signals.distances)
+        .read("tiles", pass.tiles);
+    constexpr size_t kAddresses = 13;
+    if (pass.cache == nullptr) kernel.push(ShadePush<kAddresses>{.frame = pass.settings, .list = list, .round = pass.round});
+    else kernel.read_write("cache", *pass.cache).push(ShadePush<kAddresses + 1>{.frame = pass.settings, .list = list, .round = pass.round});
+    kernel.over_indirect(machine.sizes, list * sizeof(shared::WavefrontSize));
+}
+
+}  // namespace
+
+LightPaths make_light_paths(const gpu::DevicePtr& device, uint32_t slots, bool layers) {
+    const auto buffer = [&](const char* name, uint64_t count, uint64_t bytes) { return gpu::Buffer(device, std::string("realtime/") + name, count * bytes); };
+    constexpr uint32_t kListPlaces = 4;  // wavefront/lists.glsl
+    return {.machine = {.shape = {.slots = slots},
+                        .control = buffer("control", 1, sizeof(shared::WavefrontControl)),
+                        .sizes = buffer("sizes", shared::kSizeCount, sizeof(shared::WavefrontSize)),
+                        .lists = buffer("lists", kListPlaces * uint64_t{slots}, sizeof(uint32_t)),
+                        .rays = buffer("rays", slots, sizeof(shared::WavefrontRay)),
+                        .hits = buffer("hits", slots, sizeof(shared::WavefrontHit)),
+                        .shadow_rays = buffer("shadow_rays", slots, sizeof(shared::WavefrontShadowRay)),
+                        .shadow_list = buffer("shadow_list", slots, sizeof(uint32_t))},
+            .paths = buffer("paths", slots, sizeof(shared::LightPath)),
+            .pending = buffer("pending", slots, sizeof(shared::LightPending)),
+            .sums = buffer("sums", slots, sizeof(shared::WavefrontClassSums)),
+            .inside = buffer("inside", layers ? slots : 1, sizeof(shared::LightPathInside))};
+}
+
+WavefrontPass LightPass::tracing() const { return {.frame = frame, .scene = scene, .way = way, .film = film, .state = paths.machine, .slots = paths.machine.shape.slots}; }
+
+void begin_paths(const LightPass& pass) {
+    const WavefrontState& machine = pass.paths.machine;
+    const shared::WavefrontControl control{.slice = pass.band, .pixel_count = pixels(pass), .slot_count = machine.shape.slots, .shadow_capacity = machine.shape.slots};
+    pass.frame.upload(machine.control, 0, std::as_bytes(std::span(&control, 1)));
+    Pass kernel = pass.frame.compute("realtime/begin_paths");
+    kernel.scene(pass.scene.binding())
+        .read("view", pass.film.view)
+        .read("identity", pass.gbuffer.identity)
+        .read_write("control", machine.control)
+        .read_write("lists", machine.lists)
+        .read_write("rays", machine.rays)
+        .read_write("paths", pass.paths.paths)
+        .read_write("inside", pass.paths.inside)
+        .write("hits", machine.hits)
+        .read_write("sums", pass.paths.sums)
+        .read_write("distances", pass.signals.distances)
+        .push(BeginPush{.has_inside = has_layers(pass)});
+    over_slots(pass, kernel);
+}
+
+void shade_paths(const LightPass& pass) {
+    const std::string cache = pass.cache != nullptr ? "+CACHE" : "";
+    for (const Class& c : kClasses) {
+        if (c.feature != 0 && (pass.scene.features() & c.feature) == 0) continue;
+        const bool plain_kernel = !c.layered && pass.cache != nullptr;
+        shade_class(pass, has_layers(pass) ? (plain_kernel ? "+PLAIN+LAYERS" : "+LAYERS") + cache : cache, shared::kListClasses + c.number);
+    }
+}
+
+void connect_paths(const LightPass& pass) {
+    const WavefrontState& machine = pass.paths.machine;
+    const bool panes = (pass.scene.features() & shared::kScenePanes) != 0;
+    pass.frame.trace("realtime/connect", pass.way, panes ? "+PANES" : "")
+        .scene(pass.scene.binding())
+        .read("view", pass.film.view)
+        .read_write("control", machine.control)
+        .read("shadow_list", machine.shadow_list)
+        .read("shadow_rays", machine.shadow_rays)
+        .read_write("pending", pass.paths.pending)
+        .read_write("sums", pass.paths.sums)
+        .read_write("rays", pass.film.rays)
+        .push(ConnectPush{})
+        .over_indirect(machine.sizes, shared::kListShadows * sizeof(shared::WavefrontSize));
+}
+
+void gather_paths(const LightPass& pass) {
+    Pass kernel = pass.frame.compute("realtime/gather");
+    kernel.read("view", pass.film.view)
+        .read_write("control", pass.paths.machine.control)
+        .read("summary", pass.gbuffer.summary)
+        .read_write("sums", pass.paths.sums)
+        .write("diffuse", pass.signals.diffuse)
+        .write("specular", pass.signals.specular)
+        .write("emission", pass.signals.emission)
+        .read_write("block", pass.film.block)
+        .push(GatherPush{.exposure = pass.settings.exposure});
+    over_slots(pass, kernel);
+}
+
+}  // namespace parhelion::passes

@@ -1,0 +1,43 @@
+// The frame's paths as their kernels see them (shared/realtime.h): slots of a band of pixels, one a pixel.
+#ifndef PARHELION_REALTIME_PATHS_GLSL
+#define PARHELION_REALTIME_PATHS_GLSL
+#include "shared/realtime.h"
+#include "wavefront/paths.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer LightPaths { LightPath v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Inside { LightPathInside v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Pending { LightPending v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Distances { uint v[]; };
+
+// The cone that the path sees the scene through, and its length from the camera. As wide as its lobes scatter.
+struct Footprint {
+    RayCone cone;
+    float way;         // metres
+    bool broad;        // the last lobe was at least as broad as a cosine
+    uint reflections;  // scatterings so far that did not go through a surface
+};
+
+LightPath pack_light_path(PathState path, Footprint f) {
+    return LightPath(path.throughput, path.pdf, path.path_class.diffuse_share, path.travelled, f.cone.width, f.cone.spread, f.way, f.reflections | (f.broad ? kLobeBroad : 0u));
+}
+Footprint unpack_footprint(LightPath kept) {
+    return Footprint(RayCone(kept.cone_width, kept.cone_spread), kept.way, (kept.lobes & kLobeBroad) != 0u, kept.lobes & ~kLobeBroad);
+}
+PathState unpack_light_path(WavefrontRay ray, LightPath kept, LightPathInside inside) {
+    PathState path;
+    path.ray = to_ray(ray);
+    path.throughput = kept.throughput;
+    path.pdf = kept.pdf;
+    path.path_class = unpack_class(ray.bits, kept.diffuse_share);
+    path.media = MediumStack(inside.media);
+    path.travelled = kept.travelled;
+    path.radiance_scale = inside.radiance_scale;
+    path.cone = kNoCone;
+    return path;
+}
+LightPathInside pack_inside(PathState path) { return LightPathInside(path.media.materials, path.radiance_scale); }
+const LightPathInside kOutside = LightPathInside(uvec4(kNone), 1.0);
+
+// Half floats, as reconstruction wants them; what is farther is as good as the sky.
+uint pack_distance(float metres) { return packHalf2x16(vec2(min(metres, 65504.0))); }
+#endif

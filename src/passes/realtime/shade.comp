@@ -1,0 +1,147 @@
+#version 460
+// Shades a vertex of each listed path: what arrives there, which light it asks for, where it goes on. At the first surface the light is one
+// sample out of several; after it paths end in the world cache (CACHE), in the sky, or by themselves. Without the cache this is the
+// reference's estimate, and without light tiles too it has the reference's samples of the frame's index.
+// Scenes of layered materials (glass, coats, sheen) have two kernels: PLAIN+LAYERS for surfaces that are plain, a third of the other's size.
+// Reads: scene, view, hits, lists (a class), tiles. Reads and writes: control, lists (rays), rays, paths, inside, sums, and with CACHE cache
+// (cells that are missed, and longer lives). Writes: shadow_list, shadow_rays, pending, distances (to what the first ray met).
+// variants: CACHE LAYERS LAYERS+CACHE PLAIN+LAYERS+CACHE
+// optimised variants
+#extension GL_GOOGLE_include_directive : require
+#define OWN_SCATTERING
+#ifdef PLAIN
+#define ABSENT_MATERIAL_FLAGS (kMaterialTransmits | kMaterialThin | kMaterialCoated | kMaterialSheen)
+#endif
+#include "lights/candidates.glsl"
+#include "realtime/paths.glsl"
+#include "scene/vertex.glsl"
+#include "wavefront/linear.glsl"
+#include "wavefront/lists.glsl"
+#ifdef CACHE
+#include "realtime/end_in_cache.glsl"
+#endif
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Hits { WavefrontHit v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer ShadowList { uint v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer ShadowRays { WavefrontShadowRay v[]; };
+layout(push_constant, scalar) uniform Push {
+    ViewBlock view;
+    Control control;
+    Lists lists;
+    Rays rays;
+    LightPaths paths;
+    Inside inside;
+    Hits hits;
+    ClassSums sums;
+    ShadowList shadow_list;
+    ShadowRays shadow_rays;
+    Pending pending;
+    Distances distances;
+    Tiles tiles;
+#ifdef CACHE
+    Cache cache;
+#endif
+    RealtimeFrame frame;
+    uint list;
+    uint round;  // rays that each path has traced
+} push;
+
+Footprint footprint;
+vec3 from_cache = vec3(0.0);  // what the vertex got from there
+
+NextEvent ask_for_light(ViewData view, PathKey key, PathState path, Shading shading, VertexNumbers u) {
+    const uint shadow_key = alpha_key(key, path.path_class.bounce, kRayShadow);
+    const bool resampled = path.path_class.bounce == 0u && push.frame.tiles != 0u;
+    vec4 u_light = u.light;
+    Candidate kept = Candidate(0u, kNone, 0u, 1.0);
+    LightPick pick;
+    if (resampled) {
+        kept = choose_candidate(view, key, shading, push.tiles, push.frame.candidates);
+        pick = LightPick(kept.emitter, kept.triangle, kept.scale > 0.0 ? pick_probability(kept.emitter, kept.triangle) : 0.0);
+        u_light = tile_numbers(kept.place, key.sample_index, key.seed, 1u);
+    } else pick = pick_light(shading.s.position_ws, shading.s.n_geometric_ws, u.pick);
+    NextEvent event = next_event(view, path, shading, sample_light(pick, shading.s.position_ws, u_light), resampled ? 1.0 / float(push.frame.candidates) : 1.0, shadow_key);
+    if (resampled) event.value = scale(event.value, vec3(kept.scale));
+    return event;
+}
+
+void scatter_at(ViewData view, PathKey key, Shading shading, VertexNumbers u, inout PathState path, inout VertexResult result) {
+    const uint bounce = path.path_class.bounce, next_key = alpha_key(key, bounce + 1u, kRayPath);
+#ifdef CACHE
+    advance(footprint, path.travelled + shading.s.t);
+    const bool last = footprint.reflections >= push.frame.path_bounces && may_end(shading);
+    const bool ended = bounce != 0u && end_in_cache(push.cache, view, key, path, shading, u, footprint, last, from_cache);
+    float glossy_share = 1.0;
+    if (ended && (last || !keep_glossy(path, shading, key, glossy_share))) return;
+    result.event = ask_for_light(view, key, path, shading, u);
+    if (ended) {
+        result.event.value.diffuse = vec3(0.0);
+        result.event.exists = result.event.exists && max_component(total(result.event.value)) > 0.0;
+    }
+    if (last) return;
+    result.goes_on = ended ? scatter_glossy(path, shading, u, glossy_share, next_key) : scatter(path, shading, u.scatter, true, next_key);
+    spread(footprint, path.pdf, dot(path.ray.direction_ws, shading.n_geometric_ws) < 0.0);
+#else
+    result.event = ask_for_light(view, key, path, shading, u);
+    result.goes_on = scatter(path, shading, u.scatter, true, next_key);
+#endif
+    // One BSDF sample stands against all candidates.
+    if (bounce == 0u && push.frame.tiles != 0u && path.pdf > 0.0) path.pdf /= float(push.frame.candidates);
+}
+
+void keep_arriving(uint slot, PathClass path_class, vec3 arriving) {
+    if (arriving == vec3(0.0) && from_cache == vec3(0.0)) return;
+    PathRadiance sums = unpack_classes(push.sums.v[slot]);
+    add_arriving(sums, path_class, arriving);
+    add_sampled(sums, path_class, from_cache, kNoBsdfValue);
+    push.sums.v[slot] = pack_classes(sums);
+}
+
+// For Connect: the shadow ray, and by which sums its light goes.
+void keep_event(uint slot, PathClass path_class, NextEvent event) {
+    push.shadow_rays.v[slot] = WavefrontShadowRay(event.ray.origin_ws, event.ray.t_max, event.ray.direction_ws, event.ray.alpha_key);
+    PathRadiance sums = make_path_radiance();
+    add_sampled(sums, path_class, total(event.value), event.value);
+    const bool direct = path_class.bounce == 0u;
+    push.pending.v[slot] = LightPending(direct ? sums.direct_diffuse : sums.indirect_diffuse, direct ? sums.direct_specular : sums.indirect_specular, sums.transmission, uint(direct));
+}
+
+VertexResult shade(uint slot) {
+    const ViewData view = push.view.data;
+    const PathKey key = path_key(view, push.control, slot);
+    const LightPath kept = push.paths.v[slot];
+    LightPathInside inside = kOutside;
+    if (kLayers) inside = push.inside.v[slot];
+    PathState path = unpack_light_path(push.rays.v[slot], kept, inside);
+    footprint = unpack_footprint(kept);
+    const PathClass before = path.path_class;
+    const WavefrontHit met = push.hits.v[slot];
+    FirstHit first;
+    VertexResult vertex;
+    if (met.instance_bits == kHitMiss) vertex = end_in_sky(view, path, first);
+    else vertex = shade_vertex(view, key, Hit(met.instance_bits, met.geometry, met.primitive, 0u, 0.0), path, first);
+    if (push.round == 1u) push.distances.v[key.pixel.y * view.width + key.pixel.x] = pack_distance(vertex.t);
+    keep_arriving(slot, before, vertex.arriving);
+    if (vertex.event.exists) keep_event(slot, before, vertex.event);
+    if (vertex.goes_on) {
+        push.rays.v[slot] = pack_ray(path);
+        push.paths.v[slot] = pack_light_path(path, footprint);
+        if (kLayers) push.inside.v[slot] = pack_inside(path);
+    }
+    return vertex;
+}
+
+void main() {
+    const uint i = invocation_index();
+    bool asks = false, goes_on = false;
+    uint slot = 0u;
+    if (i < push.control.v.count[push.list]) {
+        slot = push.lists.v[list_at(push.control, push.list, i)];
+        const VertexResult vertex = shade(slot);
+        asks = vertex.event.exists;
+        goes_on = vertex.goes_on;
+    }
+    list_append(push.lists, push.control, kListRays, bin_if(goes_on), 1u, slot);
+    const uint place = reserve(push.control, kListShadows, bin_if(asks), 1u);
+    if (asks) push.shadow_list.v[place] = slot;
+}
