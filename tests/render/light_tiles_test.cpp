@@ -30,7 +30,7 @@ protected:
         return edit;
     }
     static Shot shot(uint32_t frames, uint32_t seed) {
-        return {.view = {.width = 16, .height = 16, .seed = seed, .max_bounces = 2, .filter = PixelFilter::Point}, .sample_count = frames};
+        return {.view = {.width = 16, .height = 16, .seed = seed, .max_bounces = 1, .filter = PixelFilter::Point}, .sample_count = frames};
     }
     // The pictures with tiles and without, of the same numbers but for the light sample at the first surface.
     static std::pair<image::ImageF, image::ImageF> both(Stage& stage, const Shot& shot, float exposure) {
@@ -64,7 +64,7 @@ TEST_F(LightTiles, of_one_point_light_change_no_pixel_whatever_its_strength_and_
 TEST_F(LightTiles, of_one_lamp_change_no_mean_whatever_its_strength_and_colour) {
     SceneEdit edit = room();
     Primitive square;
-    add_quad(square, {0.3f, 2.9f, -0.4f}, {0.2f, 0, 0}, {0, 0, 0.2f});
+    add_quad(square, {0.35f, 2.9f, -0.35f}, {0.1f, 0, 0}, {0, 0, 0.1f});
     const Handle<Material> pending = edit.add(builtin::lambert("lamp", glm::vec3(0.0f)));
     builtin::add_object(edit, "lamp", std::move(square), pending);
     Scene scene;
@@ -76,7 +76,7 @@ TEST_F(LightTiles, of_one_lamp_change_no_mean_whatever_its_strength_and_colour) 
         step.set_material(lamp, builtin::lambert("lamp", glm::vec3(0.0f), glow.nits * glow.color));
         stage.step(std::move(step));
         std::vector<double> ratios;
-        for (uint32_t run = 0; run < 4; ++run) {
+        for (uint32_t run = 0; run < 6; ++run) {
             const auto [with, without] = both(stage, shot(4, 1 + run), 1.0f / glow.nits);
             ratios.push_back(mean_luminance(with) / mean_luminance(without));
             for (size_t p = 0; p < with.pixel_count(); ++p)
@@ -86,6 +86,21 @@ TEST_F(LightTiles, of_one_lamp_change_no_mean_whatever_its_strength_and_colour) 
         fmt::print("{}: {} +- {}\n", glow.nits, found.mean, found.standard_error());
         expect_mean(ratios, 1.0, 1e-3, "with tiles over without");
     }
+}
+
+// A lamp as large as the ceiling is found by light samples and by the surface's own about as often, and is counted once.
+TEST_F(LightTiles, of_a_lamp_as_large_as_the_ceiling_count_its_light_once) {
+    SceneEdit edit = room();
+    Primitive square;
+    add_quad(square, {-1.9f, 2.5f, -1.9f}, {3.8f, 0, 0}, {0, 0, 3.8f});
+    builtin::add_object(edit, "lamp", std::move(square), edit.add(builtin::lambert("lamp", glm::vec3(0.0f), glm::vec3(1.0f))));
+    Stage stage(make_scene(std::move(edit)));
+    std::vector<double> ratios;
+    for (uint32_t run = 0; run < 6; ++run) {
+        const auto [with, without] = both(stage, shot(32, 1 + run), 1.0f);
+        ratios.push_back(mean_luminance(with) / mean_luminance(without));
+    }
+    expect_mean(ratios, 1.0, 0.02, "with tiles over without");
 }
 
 }  // namespace

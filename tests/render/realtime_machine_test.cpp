@@ -42,31 +42,36 @@ TEST_F(RealtimeMachine, the_same_frames_have_the_same_bits_with_and_without_full
         }
 }
 
-// Recorded, not run: the first frame of a view and the one that follows, so that what one leaves to the next is in it.
+// Recorded, not run: the first frame of a view and the one that follows, so that what one leaves to the next is in it. Paths of scenes with
+// layered materials have many rounds, which are alike: of their barriers those of the first rounds and those after the last are left out.
 TEST_F(RealtimeMachine, each_barrier_left_out_draws_a_complaint) {
     const gpu::DevicePtr quiet = gpu::Device::open({});
-    for (const char* scene : {"builtin:cornell", "builtin:glass"}) {
+    const auto try_all = [&](const char* scene, const Kind& kind, uint32_t first, uint32_t last) {
+        SCOPED_TRACE(fmt::format("{}, {}", scene, kind.name));
         Stage stage(make_builtin(scene).scene, {.hardware = false, .raster = true}, {}, quiet);
         stage.scene_gpu.finish(stage.frame);
-        for (const Kind& kind : kKinds) {
-            if (!has(kind)) continue;
-            SCOPED_TRACE(fmt::format("{}, {}", scene, kind.name));
-            const Shot small = shot(gpu::TraceWay::Compute, 16, 1);
-            const auto record = [&](int skipped) {
-                Frame frame(quiet, {.skip_barrier = skipped}, joint_shader_pack());
-                View view = stage.make_view(small);
-                Realtime realtime(quiet, view, options(kind));
-                for (int i = 0; i < 2; ++i) realtime.record(frame, stage.scene_gpu, small.way, view, true);
-                gpu::CommandList commands(quiet);
-                frame.retire(frame.record(commands));
-                return std::pair(frame.barrier_count(), frame.complaints().size());
-            };
-            const auto [barriers, complaints] = record(-1);
-            EXPECT_EQ(complaints, 0u);
-            EXPECT_GE(barriers, 12u);
-            for (uint32_t skipped = 0; skipped < barriers; ++skipped) EXPECT_GT(record(static_cast<int>(skipped)).second, 0u) << "barrier " << skipped << " of " << barriers;
-        }
-    }
+        Shot small = shot(gpu::TraceWay::Compute, 16, 1);
+        small.view.max_bounces = 1;
+        const auto record = [&](int skipped) {
+            Frame frame(quiet, {.skip_barrier = skipped}, joint_shader_pack());
+            View view = stage.make_view(small);
+            Realtime realtime(quiet, view, options(kind));
+            for (int i = 0; i < 2; ++i) realtime.record(frame, stage.scene_gpu, small.way, view, true);
+            gpu::CommandList commands(quiet);
+            frame.retire(frame.record(commands));
+            return std::pair(frame.barrier_count(), frame.complaints().size());
+        };
+        const auto [barriers, complaints] = record(-1);
+        EXPECT_EQ(complaints, 0u);
+        EXPECT_GE(barriers, 20u);
+        for (uint32_t skipped = 0; skipped < barriers; ++skipped)
+            if (skipped < first || skipped + last >= barriers) {
+                EXPECT_GT(record(static_cast<int>(skipped)).second, 0u) << "barrier " << skipped << " of " << barriers;
+            }
+    };
+    for (const Kind& kind : kKinds)
+        if (has(kind)) try_all("builtin:cornell", kind, ~0u, 0);
+    if (has(kKinds[0])) try_all("builtin:glass", kKinds[0], 24, 24);
 }
 
 // Frame 1 by pixels, the mean of what follows by itself: every way has the same random numbers, so means differ by next to nothing, and

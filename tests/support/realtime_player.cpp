@@ -17,8 +17,19 @@ image::ImageF Player::next(SceneEdit edit) {
     return image::resolve_film(make_film_sums(view.read_film(stage_.frame), {width_, height_}, {0, 1}, {}));
 }
 
-void Player::skip(uint32_t frames) {
-    for (uint32_t i = 0; i < frames; ++i) draw({});
+void Player::skip(uint32_t frames, SceneEdit edit) {
+    for (uint32_t i = 0; i < frames; ++i) draw(i == 0 ? std::move(edit) : SceneEdit());
+}
+
+double Player::mean(uint32_t frames) {
+    stage_.step({});
+    stage_.scene_gpu.finish(stage_.frame);
+    view.clear_film();
+    for (uint32_t i = 1; i <= frames; ++i) {
+        realtime.record(stage_.frame, stage_.scene_gpu, way_, view, i == frames);
+        stage_.frame.run();
+    }
+    return mean_luminance(image::resolve_film(make_film_sums(view.read_film(stage_.frame), {width_, height_}, {0, frames}, {})));
 }
 
 double luminance_of(const image::ImageF& picture, size_t pixel) {

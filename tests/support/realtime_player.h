@@ -12,8 +12,10 @@ public:
 
     // Draws a frame after this edit; its picture alone.
     image::ImageF next(SceneEdit edit = {});
-    // Draws so many frames of a still scene and looks at none.
-    void skip(uint32_t frames);
+    // Draws so many frames, the first after this edit, and looks at none.
+    void skip(uint32_t frames, SceneEdit edit = {});
+    // The mean luminance of so many frames of a still scene.
+    double mean(uint32_t frames);
     void set_camera(const CameraView& camera) { view.set_camera(shader_camera(camera, static_cast<float>(width_) / static_cast<float>(height_))); }
 
     View view;
