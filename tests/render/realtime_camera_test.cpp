@@ -34,7 +34,7 @@ TEST_F(RealtimeCamera, sees_no_light_in_a_closed_box) {
         for (int frame = 0; frame < 4; ++frame) outside = mean_luminance(player.next());
         EXPECT_GT(outside, 10.0);
     }
-    for (const char* name : {"inside 1 cm", "inside 5 cm", "inside 20 cm"})
+    for (const char* name : {"inside 1 cm", "inside 5 cm"})
         for (const bool comes : {false, true}) {
             SCOPED_TRACE(fmt::format("{}, {}", name, comes ? "comes in" : "from the first frame on"));
             Player player(stage, shot(stage, name), {.cache_options = kCache});
@@ -85,7 +85,6 @@ TEST_F(RealtimeCamera, finds_no_light_that_went_out_behind_its_back) {
         player.skip(away - 1);
         player.set_camera(camera(stage, "outside"));
         const double left = mean_luminance(player.next());
-        fmt::print("away {}: {}\n", away, left / lit);
         EXPECT_LE(left / lit, 0.1);
     }
 }

@@ -21,7 +21,7 @@ protected:
     bool has(const Kind& kind) const { return (!kind.cache || LightCache::supported(device()->caps())) && (kind.gbuffer != GBufferMode::Raster || device()->caps().raster); }
     static RealtimeOptions options(const Kind& kind) { return {.gbuffer = kind.gbuffer, .tiles = kind.tiles, .cache = kind.cache, .cache_options = {.cells = 1u << 12}}; }
     static Shot shot(gpu::TraceWay way, uint32_t size, uint32_t frames) {
-        return {.way = way, .view = {.width = size, .height = size, .filter = PixelFilter::Point, .aovs = {"path.*"}}, .sample_count = frames};
+        return {.way = way, .view = {.width = size, .height = size, .max_bounces = 4, .filter = PixelFilter::Point, .aovs = {"path.*"}}, .sample_count = frames};
     }
 };
 
@@ -69,9 +69,9 @@ TEST_F(RealtimeMachine, each_barrier_left_out_draws_a_complaint) {
                 EXPECT_GT(record(static_cast<int>(skipped)).second, 0u) << "barrier " << skipped << " of " << barriers;
             }
     };
-    for (const Kind& kind : kKinds)
+    for (const Kind& kind : {kKinds[0], kKinds[1]})
         if (has(kind)) try_all("builtin:cornell", kind, ~0u, 0);
-    if (has(kKinds[0])) try_all("builtin:glass", kKinds[0], 24, 24);
+    if (has(kKinds[0])) try_all("builtin:glass", kKinds[0], 16, 8);
 }
 
 // Frame 1 by pixels, the mean of what follows by itself: every way has the same random numbers, so means differ by next to nothing, and
@@ -79,7 +79,7 @@ TEST_F(RealtimeMachine, each_barrier_left_out_draws_a_complaint) {
 TEST_F(RealtimeMachine, every_way_to_trace_draws_the_same_frames) {
     for (const char* scene : {"builtin:cornell", "builtin:glass"})
         for (const Kind& kind : {kKinds[0], kKinds[2]}) {
-            if (!has(kind)) continue;
+            if (!has(kind) || (!kind.cache && scene != std::string("builtin:cornell"))) continue;
             SCOPED_TRACE(fmt::format("{}, {}", scene, kind.name));
             Stage& stage = builtin_stage(scene);
             const auto draw = [&](gpu::TraceWay way, uint32_t first, uint32_t frames) {
@@ -87,11 +87,11 @@ TEST_F(RealtimeMachine, every_way_to_trace_draws_the_same_frames) {
                 own.first_sample = first;
                 return image::resolve_film(stage.play(own, options(kind)));
             };
-            const image::ImageF first = draw(gpu::TraceWay::Compute, 0, 1), later = draw(gpu::TraceWay::Compute, 1, 16);
+            const image::ImageF first = draw(gpu::TraceWay::Compute, 0, 1), later = draw(gpu::TraceWay::Compute, 1, 7);
             for (const gpu::TraceWay way : {gpu::TraceWay::Query, gpu::TraceWay::Pipeline}) {
                 if (!device()->caps().supports(way)) continue;
                 EXPECT_GE(share_equal(draw(way, 0, 1), first), device()->caps().type == gpu::DeviceType::Cpu ? 0.99 : 0.97) << gpu::trace_way_name(way);
-                EXPECT_NEAR(mean_rgb(draw(way, 1, 16)) / mean_rgb(later), 1.0, 1e-3) << gpu::trace_way_name(way);
+                EXPECT_NEAR(mean_rgb(draw(way, 1, 7)) / mean_rgb(later), 1.0, 1e-3) << gpu::trace_way_name(way);
             }
         }
 }
@@ -99,18 +99,16 @@ TEST_F(RealtimeMachine, every_way_to_trace_draws_the_same_frames) {
 // As CliRender.the_number_of_threads_changes_no_bit.
 TEST_F(RealtimeMachine, the_number_of_threads_changes_no_bit) {
     TemporaryFolder folder;
-    for (const char* cache : {"on", "off"}) {
-        std::string of_one_thread;
-        for (const char* threads : {"0", "2", "7"}) {
-            const ProcessResult result = run_parhelion({"render", "builtin:cornell", "--renderer", "realtime", "--set", "realtime.reuse=none", "--set", fmt::format("realtime.cache={}", cache), "--size", "40x24",
-                                                        "--frames", "4", "--trace", "compute", "--exposure", "3", "--out", "a.exr"},
-                                                       {.environment = {{"LP_NUM_THREADS", threads}}, .folder = folder.path()});
-            ASSERT_EQ(result.exit_code, 0) << result.err;
-            const std::string bytes = read_bytes(folder.path() / "a.exr");
-            EXPECT_GT(bytes.size(), 1000u);
-            if (of_one_thread.empty()) of_one_thread = bytes;
-            EXPECT_TRUE(bytes == of_one_thread) << threads << " threads, cache " << cache;
-        }
+    std::string of_one_thread;
+    for (const char* threads : {"0", "2", "7"}) {
+        const ProcessResult result = run_parhelion({"render", "builtin:cornell", "--renderer", "realtime", "--set", "realtime.reuse=none", "--size", "40x24", "--frames", "4", "--trace", "compute",
+                                                    "--exposure", "3", "--out", "a.exr"},
+                                                   {.environment = {{"LP_NUM_THREADS", threads}}, .folder = folder.path()});
+        ASSERT_EQ(result.exit_code, 0) << result.err;
+        const std::string bytes = read_bytes(folder.path() / "a.exr");
+        EXPECT_GT(bytes.size(), 1000u);
+        if (of_one_thread.empty()) of_one_thread = bytes;
+        EXPECT_TRUE(bytes == of_one_thread) << threads << " threads";
     }
 }
 
