@@ -89,5 +89,20 @@ TEST_F(RealtimeCamera, finds_no_light_that_went_out_behind_its_back) {
     }
 }
 
+// Nobody looks at the room any more: its cells live on for as long as they were promised, and are gone.
+TEST_F(RealtimeCamera, leaves_no_cell_behind) {
+    Stage& stage = builtin_stage("builtin:cornell");
+    Player player(stage, {.view = {.width = 16, .height = 16}}, {.cache_options = {.cells = 1u << 13}});
+    const auto live = [&] { return player.realtime.cache()->read_stats(stage.frame).live; };
+    player.skip(12);
+    const uint32_t before = live();
+    EXPECT_GT(before, 20u);
+    player.set_camera(look_at({0.0f, 100.0f, 0.0f}, {0.0f, 200.0f, 1.0f}, 0.5f));
+    player.skip(CacheOptions{}.life / 2);
+    EXPECT_GE(live(), before / 2) << "it may be back at once";
+    player.skip(CacheOptions{}.life / 2 + 2);
+    EXPECT_EQ(live(), 0u);
+}
+
 }  // namespace
 }  // namespace parhelion::testing

@@ -120,7 +120,7 @@ protected:
 };
 
 // What is left of the difference that a change makes, or not there yet: at most a tenth after 8 frames, a hundredth after 24. Judged on the
-// upper 99 % bound, so that noise fails rather than passes: without the margin for it a screen's shadow would take twenty runs.
+// upper 99 % bound, so that noise fails rather than passes: the shadow of a screen would take a dozen runs.
 TEST_P(RealtimeSwitch, is_in_the_picture_in_a_few_frames) {
     const Change& change = kChanges[GetParam()];
     Room room;
