@@ -2,6 +2,7 @@
 // picture in every way to trace.
 #include "base/error.h"
 #include "scene/builtin/scenes.h"
+#include "scene/shapes.h"
 #include "support/process.h"
 #include "support/realtime_player.h"
 
@@ -94,6 +95,29 @@ TEST_F(RealtimeMachine, every_way_to_trace_draws_the_same_frames) {
                 EXPECT_NEAR(mean_rgb(draw(way, 1, 7)) / mean_rgb(later), 1.0, 1e-3) << gpu::trace_way_name(way);
             }
         }
+}
+
+// A ball that crosses the picture: the frame shows it where it is, whatever finds it. Outlines may differ (gbuffer/raster.glsl).
+TEST_F(RealtimeMachine, raster_shows_what_moves_where_rays_find_it) {
+    if (!device()->caps().raster) GTEST_SKIP() << "the device cannot draw";
+    SceneEdit edit;
+    const Handle<Material> white = edit.add(builtin::lambert("white", glm::vec3(0.7f)));
+    const Handle<Node> pending = builtin::place_object(edit, "ball", make_sphere(0.5f, 12, true), white);
+    edit.set_environment(Environment{.scale = glm::vec3(1.0f)});
+    builtin::add_camera(edit, "front", {0.0f, 0.1f, 3.0f}, glm::vec3(0.0f), 0.9f);
+    Scene scene;
+    const Handle<Node> ball = scene.apply(std::move(edit)).resolve(pending);
+    std::vector<image::ImageF> pictures[2];
+    for (const bool raster : {false, true}) {
+        Stage stage(scene, {.hardware = false, .raster = true});
+        Player player(stage, shot(gpu::TraceWay::Compute, 32, 1), {.gbuffer = raster ? GBufferMode::Raster : GBufferMode::Trace, .cache = false});
+        for (int frame = 0; frame < 4; ++frame) {
+            SceneEdit step;
+            step.set_transform(ball, {.translation = {0.5f * float(frame) - 0.8f, 0.0f, 0.0f}});
+            pictures[raster].push_back(player.next(std::move(step)));
+        }
+    }
+    for (size_t frame = 0; frame < 4; ++frame) EXPECT_GE(share_equal(pictures[1][frame], pictures[0][frame]), 0.99) << frame;
 }
 
 // As CliRender.the_number_of_threads_changes_no_bit.
