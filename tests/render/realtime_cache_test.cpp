@@ -18,12 +18,12 @@ protected:
     // Of a few pixels' size: those of eight that larger pictures have would be as large as the rooms.
     static RealtimeOptions options() { return {.cache_options = {.cells = 1u << 13, .cell_pixels = 2.0f}}; }
     static Shot shot(uint32_t seed) { return {.view = {.width = 16, .height = 16, .seed = seed, .filter = PixelFilter::Point}}; }
-    // Means of runs with seeds of their own over so many frames after the first 24, in which the cache fills.
+    // Means of runs with seeds of their own over so many frames after the first 16, in which the cache fills.
     static std::vector<double> run_means(Stage& stage, uint32_t runs, uint32_t frames) {
         std::vector<double> means;
         for (uint32_t run = 1; run <= runs; ++run) {
             Player player(stage, shot(run), options());
-            player.skip(24);
+            player.skip(16);
             means.push_back(player.mean(frames));
         }
         return means;
@@ -45,7 +45,7 @@ protected:
 
 TEST_F(RealtimeCache, the_cornell_box_is_as_bright_as_by_whole_paths) {
     Stage& stage = builtin_stage("builtin:cornell");
-    expect_within(run_means(stage, 6, 24), true_means(stage, 16), 0.03);
+    expect_within(run_means(stage, 6, 16), true_means(stage, 16), 0.03);
 }
 
 // Walls that glow and are half diffuse, half of rough metal: paths end in the cache by the one half and go on by the other, and light samples

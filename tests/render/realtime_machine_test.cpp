@@ -30,12 +30,12 @@ protected:
 TEST_F(RealtimeMachine, the_same_frames_have_the_same_bits_with_and_without_full_barriers) {
     for (const char* scene : {"builtin:cornell", "builtin:glass"})
         for (const Kind& kind : kKinds) {
-            if (!has(kind)) continue;
+            if (!has(kind) || (kind.name != kKinds[0].name && scene != std::string("builtin:cornell"))) continue;
             SCOPED_TRACE(fmt::format("{}, {}", scene, kind.name));
             std::vector<image::FilmSums> films;
             for (const bool full : {false, true}) {
                 Stage stage(make_builtin(scene).scene, {.hardware = false, .raster = true}, {.full_barriers = full});
-                films.push_back(stage.play(shot(gpu::TraceWay::Compute, 24, 5), options(kind)));
+                films.push_back(stage.play(shot(gpu::TraceWay::Compute, 24, 4), options(kind)));
                 EXPECT_TRUE(stage.frame.complaints().empty());
             }
             EXPECT_GT(mean_rgb(image::resolve_film(films[0])), 0.0);
@@ -70,9 +70,9 @@ TEST_F(RealtimeMachine, each_barrier_left_out_draws_a_complaint) {
                 EXPECT_GT(record(static_cast<int>(skipped)).second, 0u) << "barrier " << skipped << " of " << barriers;
             }
     };
-    for (const Kind& kind : {kKinds[0], kKinds[1]})
-        if (has(kind)) try_all("builtin:cornell", kind, ~0u, 0);
-    if (has(kKinds[0])) try_all("builtin:glass", kKinds[0], 16, 8);
+    const Kind& all = has(kKinds[1]) ? kKinds[1] : kKinds[2];
+    try_all("builtin:cornell", all, ~0u, 0);
+    try_all("builtin:glass", kKinds[2], 16, 8);
 }
 
 // Frame 1 by pixels, the mean of what follows by itself: every way has the same random numbers, so means differ by next to nothing, and
@@ -80,7 +80,7 @@ TEST_F(RealtimeMachine, each_barrier_left_out_draws_a_complaint) {
 TEST_F(RealtimeMachine, every_way_to_trace_draws_the_same_frames) {
     for (const char* scene : {"builtin:cornell", "builtin:glass"})
         for (const Kind& kind : {kKinds[0], kKinds[2]}) {
-            if (!has(kind) || (!kind.cache && scene != std::string("builtin:cornell"))) continue;
+            if (!has(kind) || (kind.cache && scene != std::string("builtin:cornell"))) continue;
             SCOPED_TRACE(fmt::format("{}, {}", scene, kind.name));
             Stage& stage = builtin_stage(scene);
             const auto draw = [&](gpu::TraceWay way, uint32_t first, uint32_t frames) {
