@@ -72,11 +72,26 @@ struct LightPathInside {
     float radiance_scale;
 };
 
-// What the vertex's shadow ray brings if it is free: 40 bytes.
+// What a path's vertex asked a light for, and gets if its shadow ray is free: 32 bytes.
 struct LightPending {
-    vec3 diffuse, specular, transmission;
-    uint direct;  // 1: at the first surface
+    vec3 diffuse;   // by what the first surface's lobes have of it
+    uint pixel;
+    vec3 specular;
+    uint kind;      // kLight...
 };
+SHARED_CONST uint kLightDirect = 0u;
+SHARED_CONST uint kLightIndirect = 1u;
+SHARED_CONST uint kLightTransmitted = 2u;  // all of it in `specular`
+
+// What a path brought so far, but for what is seen straight: 24 bytes.
+struct LightSums {
+    vec3 diffuse, specular;
+};
+
+// The two kernels of Shade, by what a path met: in scenes of layered materials those and the rest, else sky and surfaces.
+SHARED_CONST uint kShadePlain = 0u;
+SHARED_CONST uint kShadeRest = 1u;
+SHARED_CONST uint kShadeKernels = 2u;
 
 SHARED_END
 #endif

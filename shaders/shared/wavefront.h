@@ -129,10 +129,14 @@ struct WavefrontSize {
     uint x, y, z;
 };
 
-// When counters turn into work sizes; see prepare.comp.
-SHARED_CONST uint kAfterGenerate = 0u;
-SHARED_CONST uint kAfterSort = 1u;
-SHARED_CONST uint kAfterShade = 2u;
+// What prepare.comp does between kernels: turn counters into work sizes, add them to the film's rays, empty lists that will be filled.
+SHARED_CONST uint kSizeOfRays = 1u;      // for who traces the rays and who reads what they met; they count
+SHARED_CONST uint kSizeOfClasses = 2u;
+SHARED_CONST uint kSizeOfShadows = 4u;
+SHARED_CONST uint kCountShadows = 8u;
+SHARED_CONST uint kEmptyRays = 16u;
+SHARED_CONST uint kEmptyClasses = 32u;
+SHARED_CONST uint kEmptyShadows = 64u;
 
 SHARED_END
 #endif

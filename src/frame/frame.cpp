@@ -14,7 +14,7 @@ using gpu::Use;
 
 namespace {
 
-constexpr uint32_t kMaxTimedPasses = 512;
+constexpr uint32_t kMaxTimedPasses = 1024;
 constexpr UseMask kEveryUse = ~0u;
 
 }  // namespace

@@ -10,9 +10,8 @@ namespace parhelion {
 
 namespace {
 
-constexpr uint32_t kUsualSlots = 1u << 20;  // as many as keep a large GPU busy, in 280 MB
 constexpr uint32_t kTileRows = 8;           // bands are whole squares of 64 pixels
-constexpr uint32_t kPassings = 16;          // panes, and boundaries that are none, along a path in all
+constexpr uint32_t kPassings = 8;           // panes, and boundaries that are none, along a path in all
 
 }  // namespace
 
@@ -29,7 +28,7 @@ Realtime::Realtime(gpu::DevicePtr device, const View& view, const RealtimeOption
     if (options.gbuffer == GBufferMode::Raster && view.desc().camera.lens_radius > 0)
         throw Error(ErrorCode::Usage, "a camera with a lens is traced", "gbuffer.mode=raster", "use gbuffer.mode=trace");
     if (options.cache) cache_.emplace(device, options.cache_options);
-    const uint32_t rows = (options.slots != 0 ? options.slots : kUsualSlots) / view.film().width / kTileRows * kTileRows;
+    const uint32_t rows = (options.slots != 0 ? options.slots : passes::usual_light_paths(device->caps())) / view.film().width / kTileRows * kTileRows;
     band_rows_ = std::clamp(rows, std::min(kTileRows, view.film().height), view.film().height);
 }
 
@@ -41,17 +40,15 @@ uint32_t Realtime::path_length(const SceneGpu& scene, const View& view) const {
 }
 
 void Realtime::trace_band(passes::LightPass pass, uint32_t path_length) {
-    passes::begin_paths(pass);
+    passes::sort_pixels(pass);
     for (; pass.round < path_length; ++pass.round) {
-        if (pass.round != 0) {
-            passes::prepare_wavefront(pass.tracing(), shared::kAfterGenerate);
-            passes::extend(pass.tracing());
-            passes::sort_hits(pass.tracing());
-        }
-        passes::prepare_wavefront(pass.tracing(), shared::kAfterSort);
+        passes::prepare_wavefront(pass.tracing(), shared::kSizeOfClasses | shared::kEmptyRays | shared::kEmptyShadows);
         passes::shade_paths(pass);
-        passes::prepare_wavefront(pass.tracing(), shared::kAfterShade);
+        passes::prepare_wavefront(pass.tracing(), shared::kSizeOfRays | shared::kSizeOfShadows | shared::kCountShadows | shared::kEmptyClasses);
         passes::connect_paths(pass);
+        if (pass.round + 1 == path_length) break;
+        passes::extend(pass.tracing());
+        passes::sort_paths(pass);
     }
     passes::gather_paths(pass);
 }
@@ -92,9 +89,9 @@ void Realtime::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, Vi
     passes::summarise_surfaces(frame, scene, film, gbuffer_, frame_index_, options_.exposure);
     if (options_.tiles) passes::draw_light_tiles(frame, scene, tiles_, frame_index_, view.desc().seed, {film.width, film.height});
     if (cache_) {
-        const bool changed = scene_version_ != 0 && scene.version() != scene_version_;
+        const bool changed = lights_version_ != 0 && scene.lights_version() != lights_version_;
         passes::update_cache(frame, scene, way, *cache_, {.frame_index = frame_index_, .seed = view.desc().seed, .exposure = options_.exposure, .lights_changed = changed, .view = film.view});
-        scene_version_ = scene.version();
+        lights_version_ = scene.lights_version();
     }
     trace_paths(frame, scene, way, view);
     passes::composite(frame, film, gbuffer_, signals_, options_.exposure);

@@ -22,7 +22,7 @@ struct RealtimeOptions {
     bool tiles = true;        // they come from light tiles; false: the light is sampled as by the reference
     bool cache = true;           // paths end in the world cache; false: they go to the view's depth
     uint32_t path_bounces = 3;   // reflections after which a path ends in the cache whatever it meets, but for glass
-    uint32_t slots = 0;          // paths at a time, in bands of whole rows; 0: 2^20. Pictures do not depend on it
+    uint32_t slots = 0;          // paths at a time, in bands of whole rows; 0: as suits the device. Pictures do not depend on it
     CacheOptions cache_options;
     float exposure = 1.0f;    // stored radiance is nits times this; about 1 over the nits of white
 };
@@ -58,7 +58,7 @@ private:
     uint32_t band_rows_ = 0;
     gpu::Buffer tiles_;
     std::optional<LightCache> cache_;
-    uint64_t scene_version_ = 0;
+    uint64_t lights_version_ = 0;
     uint32_t frame_index_ = 0;
 };
 

@@ -89,17 +89,19 @@ void Wavefront::begin(const passes::WavefrontPass& pass) {
 }
 
 void Wavefront::record_round(passes::WavefrontPass pass) {
+    const bool classes = state_.shape.classes;
     for (pass.round = 0; pass.round < state_.shape.round_length; ++pass.round) {
+        const bool round_begins = pass.round == 0, round_ends = pass.round + 1 == state_.shape.round_length;
         passes::generate(pass);
-        passes::prepare_wavefront(pass, shared::kAfterGenerate);
+        passes::prepare_wavefront(pass, shared::kSizeOfRays | shared::kEmptyClasses | (round_begins ? shared::kEmptyShadows : 0));
         passes::extend(pass);
         if (after_trace) after_trace(pass, passes::WavefrontTraced::Rays);
-        if (state_.shape.classes) {
+        if (classes) {
             passes::sort_hits(pass);
-            passes::prepare_wavefront(pass, shared::kAfterSort);
+            passes::prepare_wavefront(pass, shared::kSizeOfClasses);
         }
         passes::shade(pass);
-        passes::prepare_wavefront(pass, shared::kAfterShade);
+        passes::prepare_wavefront(pass, shared::kEmptyRays | shared::kSizeOfShadows | (round_ends ? shared::kCountShadows : 0));
     }
     passes::connect(pass);
     if (after_trace) after_trace(pass, passes::WavefrontTraced::ShadowRays);

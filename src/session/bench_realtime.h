@@ -22,11 +22,12 @@ struct RealtimeBenchOptions {
 struct RealtimeBenchRow {
     std::string scene;
     struct PassMs {
-        std::string name;
-        double ms = 0;
+        std::string name, variant;
+        double ms = 0;  // of all its launches
     };
     std::vector<PassMs> passes;  // of the frame, in its order; those of the film's upkeep left out
     double ms(std::string_view prefix) const;
+    double lighting_ms = 0;      // of the frame's time, less its surfaces and the film's upkeep: passes may run side by side
     double rays_per_pixel = 0;   // of the identity, of the paths and of their light
     double cache_rays = 0;       // of the cache's update, a frame
     double live_cells = 0, updated_cells = 0;

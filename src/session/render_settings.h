@@ -92,7 +92,7 @@ void visit(V&& v, RenderSettings& s) {
     v.field("realtime.tiles", s.realtime_tiles, choices({"off", "on"}), "the first surface's light is chosen among candidates out of light tiles, or sampled as by the reference");
     v.field("realtime.candidates", s.realtime_candidates, range(1, 64), "light samples that the first surface's one is chosen from");
     v.field("realtime.path_bounces", s.realtime_path_bounces, range(1, 64), "reflections after which a path ends in the cache whatever it meets, but for glass");
-    v.field("realtime.slots", s.realtime_slots, range(0, 1 << 24), "paths at a time, in bands of whole rows; 0: 2^20. Pictures do not depend on it");
+    v.field("realtime.slots", s.realtime_slots, range(0, 1 << 24), "paths at a time, in bands of whole rows; 0: as suits the device. Pictures do not depend on it");
     visit_cache(v, s.cache);
     v.field("sky.sun_elevation", s.sun_elevation, range(-18, 90), "degrees of the clear sky's sun above the horizon");
     v.field("sky.sun_azimuth", s.sun_azimuth, range(-360, 360), "degrees of the clear sky's sun from +Z towards +X");

@@ -73,7 +73,7 @@ TEST_F(Layout, structs_have_the_same_size_on_both_sides) {
         {"WavefrontRay", sizeof(shared::WavefrontRay)}, {"WavefrontHit", sizeof(shared::WavefrontHit)}, {"WavefrontPath", sizeof(shared::WavefrontPath)}, {"WavefrontExtra", sizeof(shared::WavefrontExtra)}, {"WavefrontSlot", sizeof(shared::WavefrontSlot)}, {"WavefrontVertex", sizeof(shared::WavefrontVertex)},
         {"WavefrontShadowRay", sizeof(shared::WavefrontShadowRay)}, {"WavefrontSplit", sizeof(shared::WavefrontSplit)}, {"WavefrontClassSums", sizeof(shared::WavefrontClassSums)}, {"WavefrontControl", sizeof(shared::WavefrontControl)}, {"WavefrontSize", sizeof(shared::WavefrontSize)},
         {"WavefrontFirst", sizeof(shared::WavefrontFirst)}, {"TileSample", sizeof(shared::TileSample)}, {"PackedLight", sizeof(shared::PackedLight)}, {"RealtimeFrame", sizeof(shared::RealtimeFrame)},
-        {"LightPath", sizeof(shared::LightPath)}, {"LightPathInside", sizeof(shared::LightPathInside)}, {"LightPending", sizeof(shared::LightPending)},
+        {"LightPath", sizeof(shared::LightPath)}, {"LightPathInside", sizeof(shared::LightPathInside)}, {"LightPending", sizeof(shared::LightPending)}, {"LightSums", sizeof(shared::LightSums)},
         {"CacheHeader", sizeof(shared::CacheHeader)}, {"CacheFrameData", sizeof(shared::CacheFrameData)}, {"CacheSize", sizeof(shared::CacheSize)}};
     size_t seen = 0;
     for (const gpu::ShaderStruct& s : test_shader_pack().find("device/layout", "", gpu::Stage::Compute)->structs)

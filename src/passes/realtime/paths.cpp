@@ -1,4 +1,4 @@
-// Begin, Shade, Connect and Gather of the frame's paths.
+// Sort, Shade, Connect and Gather of the frame's paths.
 #include <algorithm>
 #include <span>
 #include <string>
@@ -10,9 +10,13 @@ namespace parhelion::passes {
 
 namespace {
 
-struct BeginPush {
-    uint64_t view, control, lists, rays, paths, inside, hits, sums, distances;
-    uint32_t has_inside;
+struct SortFirstPush {
+    uint64_t view, control, lists;
+    uint32_t layers;
+};
+struct SortPush {
+    uint64_t control, lists, hits;
+    uint32_t layers;
 };
 template <size_t kAddresses>
 struct ShadePush {
@@ -21,10 +25,10 @@ struct ShadePush {
     uint32_t list, round;
 };
 struct ConnectPush {
-    uint64_t view, control, shadow_list, shadow_rays, pending, sums, rays;
+    uint64_t view, control, shadow_list, shadow_rays, pending, sums, block, rays;
 };
 struct GatherPush {
-    uint64_t view, control, sums, diffuse, specular, emission, block;
+    uint64_t view, control, sums, diffuse, specular;
     float exposure;
 };
 
@@ -38,22 +42,12 @@ void over_slots(const LightPass& pass, Pass& kernel) {
     kernel.over(std::min(count, kRow), (count + kRow - 1) / kRow);
 }
 
-// `feature`: without it no material of the scene is of the class; 0: some always may be.
-struct Class {
-    uint32_t number, feature;
-    bool layered;
-};
-constexpr Class kClasses[] = {{shared::kClassPlain, 0, false},
-                              {shared::kClassEmitter, shared::kSceneEmitters, false},
-                              {shared::kClassMiss, 0, false},
-                              {shared::kClassCoated, shared::kSceneCoats, true},
-                              {shared::kClassTransmissive, shared::kSceneTransmits, true}};
-
-void shade_class(const LightPass& pass, const std::string& variant, uint32_t list) {
+void shade_by(const LightPass& pass, const std::string& variant, uint32_t list) {
     const WavefrontState& machine = pass.paths.machine;
     Pass kernel = pass.frame.compute("realtime/shade", variant);
     kernel.scene(pass.scene.binding())
         .read("view", pass.film.view)
+        .read("identity", pass.gbuffer.identity)
         .read_write("control", machine.control)
         .read_write("lists", machine.lists)
         .read_write("rays", machine.rays)
@@ -61,12 +55,14 @@ void shade_class(const LightPass& pass, const std::string& variant, uint32_t lis
         .read_write("inside", pass.paths.inside)
         .read("hits", machine.hits)
         .read_write("sums", pass.paths.sums)
+        .read_write("emission", pass.signals.emission)
+        .read_write("block", pass.film.block)
         .write("shadow_list", machine.shadow_list)
         .write("shadow_rays", machine.shadow_rays)
         .read_write("pending", pass.paths.pending)
         .read_write("distances", pass.signals.distances)
         .read("tiles", pass.tiles);
-    constexpr size_t kAddresses = 13;
+    constexpr size_t kAddresses = 15;
     if (pass.cache == nullptr) kernel.push(ShadePush<kAddresses>{.frame = pass.settings, .list = list, .round = pass.round});
     else kernel.read_write("cache", *pass.cache).push(ShadePush<kAddresses + 1>{.frame = pass.settings, .list = list, .round = pass.round});
     kernel.over_indirect(machine.sizes, list * sizeof(shared::WavefrontSize));
@@ -74,9 +70,14 @@ void shade_class(const LightPass& pass, const std::string& variant, uint32_t lis
 
 }  // namespace
 
+uint32_t usual_light_paths(const gpu::DeviceCaps& caps) {
+    constexpr uint64_t kMost = 1u << 21, kPathBytes = 212, kShare = 16;
+    return static_cast<uint32_t>(std::min(caps.memory_bytes / (kShare * kPathBytes), kMost));
+}
+
 LightPaths make_light_paths(const gpu::DevicePtr& device, uint32_t slots, bool layers) {
     const auto buffer = [&](const char* name, uint64_t count, uint64_t bytes) { return gpu::Buffer(device, std::string("realtime/") + name, count * bytes); };
-    constexpr uint32_t kListPlaces = 4;  // wavefront/lists.glsl
+    constexpr uint32_t kListPlaces = 2;  // wavefront/lists.glsl
     return {.machine = {.shape = {.slots = slots},
                         .control = buffer("control", 1, sizeof(shared::WavefrontControl)),
                         .sizes = buffer("sizes", shared::kSizeCount, sizeof(shared::WavefrontSize)),
@@ -87,39 +88,42 @@ LightPaths make_light_paths(const gpu::DevicePtr& device, uint32_t slots, bool l
                         .shadow_list = buffer("shadow_list", slots, sizeof(uint32_t))},
             .paths = buffer("paths", slots, sizeof(shared::LightPath)),
             .pending = buffer("pending", slots, sizeof(shared::LightPending)),
-            .sums = buffer("sums", slots, sizeof(shared::WavefrontClassSums)),
+            .sums = buffer("sums", slots, sizeof(shared::LightSums)),
             .inside = buffer("inside", layers ? slots : 1, sizeof(shared::LightPathInside))};
 }
 
 WavefrontPass LightPass::tracing() const { return {.frame = frame, .scene = scene, .way = way, .film = film, .state = paths.machine, .slots = paths.machine.shape.slots}; }
 
-void begin_paths(const LightPass& pass) {
+void sort_pixels(const LightPass& pass) {
     const WavefrontState& machine = pass.paths.machine;
     const shared::WavefrontControl control{.slice = pass.band, .pixel_count = pixels(pass), .slot_count = machine.shape.slots, .shadow_capacity = machine.shape.slots};
     pass.frame.upload(machine.control, 0, std::as_bytes(std::span(&control, 1)));
-    Pass kernel = pass.frame.compute("realtime/begin_paths");
+    Pass kernel = pass.frame.compute("realtime/sort", "+FIRST");
     kernel.scene(pass.scene.binding())
         .read("view", pass.film.view)
         .read("identity", pass.gbuffer.identity)
         .read_write("control", machine.control)
         .read_write("lists", machine.lists)
-        .read_write("rays", machine.rays)
-        .read_write("paths", pass.paths.paths)
-        .read_write("inside", pass.paths.inside)
-        .write("hits", machine.hits)
-        .read_write("sums", pass.paths.sums)
-        .read_write("distances", pass.signals.distances)
-        .push(BeginPush{.has_inside = has_layers(pass)});
+        .push(SortFirstPush{.layers = has_layers(pass)});
     over_slots(pass, kernel);
 }
 
+void sort_paths(const LightPass& pass) {
+    const WavefrontState& machine = pass.paths.machine;
+    pass.frame.compute("realtime/sort")
+        .scene(pass.scene.binding())
+        .read_write("control", machine.control)
+        .read_write("lists", machine.lists)
+        .read("hits", machine.hits)
+        .push(SortPush{.layers = has_layers(pass)})
+        .over_indirect(machine.sizes, shared::kSizeHits * sizeof(shared::WavefrontSize));
+}
+
 void shade_paths(const LightPass& pass) {
-    const std::string cache = pass.cache != nullptr ? "+CACHE" : "";
-    for (const Class& c : kClasses) {
-        if (c.feature != 0 && (pass.scene.features() & c.feature) == 0) continue;
-        const bool plain_kernel = !c.layered && pass.cache != nullptr;
-        shade_class(pass, has_layers(pass) ? (plain_kernel ? "+PLAIN+LAYERS" : "+LAYERS") + cache : cache, shared::kListClasses + c.number);
-    }
+    const std::string cache = pass.cache != nullptr ? "+CACHE" : "", layers = has_layers(pass) ? "+LAYERS" : "";
+    const bool plain_kernel = has_layers(pass) && pass.cache != nullptr;
+    shade_by(pass, (plain_kernel ? "+PLAIN" : "") + layers + cache, shared::kListClasses + shared::kShadePlain);
+    shade_by(pass, layers + cache, shared::kListClasses + shared::kShadeRest);
 }
 
 void connect_paths(const LightPass& pass) {
@@ -133,6 +137,7 @@ void connect_paths(const LightPass& pass) {
         .read("shadow_rays", machine.shadow_rays)
         .read_write("pending", pass.paths.pending)
         .read_write("sums", pass.paths.sums)
+        .read_write("block", pass.film.block)
         .read_write("rays", pass.film.rays)
         .push(ConnectPush{})
         .over_indirect(machine.sizes, shared::kListShadows * sizeof(shared::WavefrontSize));
@@ -143,11 +148,9 @@ void gather_paths(const LightPass& pass) {
     kernel.read("view", pass.film.view)
         .read_write("control", pass.paths.machine.control)
         .read("summary", pass.gbuffer.summary)
-        .read_write("sums", pass.paths.sums)
+        .read("sums", pass.paths.sums)
         .write("diffuse", pass.signals.diffuse)
         .write("specular", pass.signals.specular)
-        .write("emission", pass.signals.emission)
-        .read_write("block", pass.film.block)
         .push(GatherPush{.exposure = pass.settings.exposure});
     over_slots(pass, kernel);
 }

@@ -1,12 +1,14 @@
 // The frame's paths as their kernels see them (shared/realtime.h): slots of a band of pixels, one a pixel.
 #ifndef PARHELION_REALTIME_PATHS_GLSL
 #define PARHELION_REALTIME_PATHS_GLSL
+#include "scene/film.glsl"
 #include "shared/realtime.h"
 #include "wavefront/paths.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer LightPaths { LightPath v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Inside { LightPathInside v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Pending { LightPending v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Pending { LightPending v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Sums { LightSums v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Distances { uint v[]; };
 
 // The cone that the path sees the scene through, and its length from the camera. As wide as its lobes scatter.
@@ -40,4 +42,11 @@ const LightPathInside kOutside = LightPathInside(uvec4(kNone), 1.0);
 
 // Half floats, as reconstruction wants them; what is farther is as good as the sky.
 uint pack_distance(float metres) { return packHalf2x16(vec2(min(metres, 65504.0))); }
+
+// Adds light by its class: to the slot's sums, and where the film has layers of classes, to those.
+void add_light(Sums sums, uint slot, FilmBlock block, ViewData view, uint pixel, PathRadiance light) {
+    sums.v[slot].diffuse += light.direct_diffuse + light.indirect_diffuse;
+    sums.v[slot].specular += light.direct_specular + light.indirect_specular + light.transmission;
+    film_add_path_classes(block, view, pixel, light);
+}
 #endif

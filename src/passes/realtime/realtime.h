@@ -14,12 +14,13 @@ struct Signals {
 };
 Signals make_signals(const gpu::DevicePtr& device, uint64_t pixels);
 
-// Paths of a band: 276 bytes a slot, 20 of them only in scenes of layered materials.
+// Paths of a band: 212 bytes a slot, 20 of them only in scenes of layered materials.
 struct LightPaths {
     WavefrontState machine;             // its control, sizes, lists, rays, hits, shadow_rays and shadow_list
-    gpu::Buffer paths, pending, sums;   // LightPath, LightPending, WavefrontClassSums [slots]
+    gpu::Buffer paths, pending, sums;   // LightPath, LightPending, LightSums [slots]
     gpu::Buffer inside;                 // LightPathInside[slots]; one without layers
 };
+uint32_t usual_light_paths(const gpu::DeviceCaps& caps);  // a picture of 1920x1080 at once, in a sixteenth of the memory at most
 LightPaths make_light_paths(const gpu::DevicePtr& device, uint32_t slots, bool layers);
 
 // What the passes of a band have in common.
@@ -37,11 +38,12 @@ struct LightPass {
     shared::Slice band;        // one sample, of the frame's index, of as many pixels as there are slots at most
     uint32_t round = 0;        // rays that each path has traced
 
-    WavefrontPass tracing() const;  // for prepare_wavefront, extend and sort_hits
+    WavefrontPass tracing() const;  // for prepare_wavefront and extend
 };
 
-void begin_paths(const LightPass& pass);   // at the first surfaces, sorted for shade_paths
-void shade_paths(const LightPass& pass);   // a kernel for each class of materials that the scene has
+void sort_pixels(const LightPass& pass);   // the band begins: its paths by what their pixels see
+void sort_paths(const LightPass& pass);    // by what they met
+void shade_paths(const LightPass& pass);   // a kernel for plain materials, and one for the rest
 void connect_paths(const LightPass& pass);
 void gather_paths(const LightPass& pass);  // the band's signals
 

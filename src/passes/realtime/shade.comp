@@ -3,8 +3,9 @@
 // sample out of several; after it paths end in the world cache (CACHE), in the sky, or by themselves. Without the cache this is the
 // reference's estimate, and without light tiles too it has the reference's samples of the frame's index.
 // Scenes of layered materials (glass, coats, sheen) have two kernels: PLAIN+LAYERS for surfaces that are plain, a third of the other's size.
-// Reads: scene, view, hits, lists (a class), tiles. Reads and writes: control, lists (rays), rays, paths, inside, sums, and with CACHE cache
-// (cells that are missed, and longer lives). Writes: shadow_list, shadow_rays, pending, distances (to what the first ray met).
+// Reads: scene, view, identity (what paths meet first), hits (later), lists (a kernel's), tiles. Reads and writes: control, lists (rays),
+// rays, paths, inside, sums, emission, block (path classes), and with CACHE cache (cells that are missed, and longer lives). Writes:
+// shadow_list, shadow_rays, pending, distances (to what the first ray met).
 // variants: CACHE LAYERS LAYERS+CACHE PLAIN+LAYERS+CACHE
 // optimised variants
 #extension GL_GOOGLE_include_directive : require
@@ -12,18 +13,21 @@
 #ifdef PLAIN
 #define ABSENT_MATERIAL_FLAGS (kMaterialTransmits | kMaterialThin | kMaterialCoated | kMaterialSheen)
 #endif
+#include "lib/packed_light.glsl"
 #include "lights/candidates.glsl"
 #include "realtime/paths.glsl"
-#include "scene/vertex.glsl"
+#include "scene/begin_path.glsl"
 #include "wavefront/linear.glsl"
 #include "wavefront/lists.glsl"
 #ifdef CACHE
 #include "realtime/end_in_cache.glsl"
 #endif
 
+layout(set = 1, binding = 0, rgba32ui) uniform readonly uimage2D identity;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Hits { WavefrontHit v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer ShadowList { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer ShadowRays { WavefrontShadowRay v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Light { PackedLight v[]; };
 layout(push_constant, scalar) uniform Push {
     ViewBlock view;
     Control control;
@@ -32,7 +36,9 @@ layout(push_constant, scalar) uniform Push {
     LightPaths paths;
     Inside inside;
     Hits hits;
-    ClassSums sums;
+    Sums sums;
+    Light emission;
+    FilmBlock block;
     ShadowList shadow_list;
     ShadowRays shadow_rays;
     Pending pending;
@@ -89,40 +95,58 @@ void scatter_at(ViewData view, PathKey key, Shading shading, VertexNumbers u, in
     if (bounce == 0u && push.frame.tiles != 0u && path.pdf > 0.0) path.pdf /= float(push.frame.candidates);
 }
 
-void keep_arriving(uint slot, PathClass path_class, vec3 arriving) {
-    if (arriving == vec3(0.0) && from_cache == vec3(0.0)) return;
-    PathRadiance sums = unpack_classes(push.sums.v[slot]);
-    add_arriving(sums, path_class, arriving);
-    add_sampled(sums, path_class, from_cache, kNoBsdfValue);
-    push.sums.v[slot] = pack_classes(sums);
+// Light that is there without a shadow ray.
+void keep_arriving(ViewData view, uint slot, uint pixel, PathClass path_class, vec3 arriving) {
+    PathRadiance light = make_path_radiance();
+    add_arriving(light, path_class, arriving);
+    add_sampled(light, path_class, from_cache, kNoBsdfValue);
+    if (push.round == 0u) {
+        push.sums.v[slot] = LightSums(vec3(0.0), vec3(0.0));
+        push.emission.v[pixel] = pack_light(light.emission * push.frame.exposure);
+    } else if (light.emission != vec3(0.0)) push.emission.v[pixel] = pack_light(unpack_light(push.emission.v[pixel]) + light.emission * push.frame.exposure);
+    if (light.beauty != vec3(0.0)) add_light(push.sums, slot, push.block, view, pixel, light);
 }
 
-// For Connect: the shadow ray, and by which sums its light goes.
-void keep_event(uint slot, PathClass path_class, NextEvent event) {
+// For Connect: the shadow ray, and what it brings.
+void keep_event(uint slot, uint pixel, PathClass path_class, NextEvent event) {
     push.shadow_rays.v[slot] = WavefrontShadowRay(event.ray.origin_ws, event.ray.t_max, event.ray.direction_ws, event.ray.alpha_key);
-    PathRadiance sums = make_path_radiance();
-    add_sampled(sums, path_class, total(event.value), event.value);
-    const bool direct = path_class.bounce == 0u;
-    push.pending.v[slot] = LightPending(direct ? sums.direct_diffuse : sums.indirect_diffuse, direct ? sums.direct_specular : sums.indirect_specular, sums.transmission, uint(direct));
+    PathRadiance light = make_path_radiance();
+    add_sampled(light, path_class, total(event.value), event.value);
+    // A direction lies before the surface or behind it: what goes through comes alone.
+    const uint kind = light.transmission != vec3(0.0) ? kLightTransmitted : path_class.bounce == 0u ? kLightDirect : kLightIndirect;
+    push.pending.v[slot] = LightPending(light.direct_diffuse + light.indirect_diffuse, pixel, light.direct_specular + light.indirect_specular + light.transmission, kind);
+}
+
+// The path that a slot has, and what it met.
+PathState take_path(ViewData view, PathKey key, uint slot, out WavefrontHit met) {
+    if (push.round == 0u) {
+        const uvec4 which = imageLoad(identity, ivec2(key.pixel));
+        met = WavefrontHit(which.x, which.y, which.z);
+        footprint = Footprint(RayCone(view.pixel_width, view.pixel_spread), 0.0, false, 0u);
+        return begin_path(view, key);
+    }
+    met = push.hits.v[slot];
+    const LightPath kept = push.paths.v[slot];
+    LightPathInside inside = kOutside;
+    if (kLayers) inside = push.inside.v[slot];
+    footprint = unpack_footprint(kept);
+    return unpack_light_path(push.rays.v[slot], kept, inside);
 }
 
 VertexResult shade(uint slot) {
     const ViewData view = push.view.data;
     const PathKey key = path_key(view, push.control, slot);
-    const LightPath kept = push.paths.v[slot];
-    LightPathInside inside = kOutside;
-    if (kLayers) inside = push.inside.v[slot];
-    PathState path = unpack_light_path(push.rays.v[slot], kept, inside);
-    footprint = unpack_footprint(kept);
+    const uint pixel = key.pixel.y * view.width + key.pixel.x;
+    WavefrontHit met;
+    PathState path = take_path(view, key, slot, met);
     const PathClass before = path.path_class;
-    const WavefrontHit met = push.hits.v[slot];
     FirstHit first;
     VertexResult vertex;
     if (met.instance_bits == kHitMiss) vertex = end_in_sky(view, path, first);
     else vertex = shade_vertex(view, key, Hit(met.instance_bits, met.geometry, met.primitive, 0u, 0.0), path, first);
-    if (push.round == 1u) push.distances.v[key.pixel.y * view.width + key.pixel.x] = pack_distance(vertex.t);
-    keep_arriving(slot, before, vertex.arriving);
-    if (vertex.event.exists) keep_event(slot, before, vertex.event);
+    if (push.round <= 1u) push.distances.v[pixel] = push.round == 0u ? 0u : pack_distance(vertex.t);
+    keep_arriving(view, slot, pixel, before, vertex.arriving);
+    if (vertex.event.exists) keep_event(slot, pixel, before, vertex.event);
     if (vertex.goes_on) {
         push.rays.v[slot] = pack_ray(path);
         push.paths.v[slot] = pack_light_path(path, footprint);

@@ -11,10 +11,8 @@ layout(push_constant, scalar) uniform Push {
     Control control;
     Sizes sizes;
     RayCounts rays;
-    uint stage;                     // kAfter...
-    uint round_begins, round_ends;  // no shadow ray waits for Connect yet; all are there
-    uint rays_used;                 // nobody reads the list of rays any more
-    uint tracing_group, row;        // invocations of a group of the tracing kernels; most groups in one row
+    uint steps;               // of shared/wavefront.h
+    uint tracing_group, row;  // invocations of a group of the tracing kernels; most groups in one row
 } push;
 
 void set_size(uint size, uint list, uint group) {
@@ -29,23 +27,26 @@ void add_rays(uint kind, uint count) {
     if (before + count < before) push.rays.v[2u * kind + 1u] += 1u;
 }
 
+bool does(uint step) { return (push.steps & step) != 0u; }
+
 void main() {
-    if (push.stage == kAfterGenerate) {
+    if (does(kSizeOfRays)) {
         const uint count = push.control.v.count[kListRays];
         push.control.v.live = count;
         push.control.v.iterations += uint(count != 0u);
         add_rays(kRayPath, count);
         set_size(kListRays, kListRays, push.tracing_group);
         set_size(kSizeHits, kListRays, kWavefrontGroup);
-        for (uint i = 0u; i < kClassCount; ++i) push.control.v.count[kListClasses + i] = 0u;
-        if (push.round_begins != 0u) push.control.v.count[kListShadows] = 0u;
-    } else if (push.stage == kAfterSort) {
+    }
+    if (does(kSizeOfClasses))
         for (uint i = 0u; i < kClassCount; ++i) set_size(kListClasses + i, kListClasses + i, kWavefrontGroup);
-    } else {
-        const uint count = min(push.control.v.count[kListShadows], push.control.v.shadow_capacity);
-        push.control.v.count[kListShadows] = count;
-        if (push.round_ends != 0u) add_rays(kRayShadow, count);
+    if (does(kSizeOfShadows)) {
+        push.control.v.count[kListShadows] = min(push.control.v.count[kListShadows], push.control.v.shadow_capacity);
         set_size(kListShadows, kListShadows, push.tracing_group);
     }
-    if (push.rays_used != 0u) push.control.v.count[kListRays] = 0u;
+    if (does(kCountShadows)) add_rays(kRayShadow, push.control.v.count[kListShadows]);
+    if (does(kEmptyRays)) push.control.v.count[kListRays] = 0u;
+    if (does(kEmptyClasses))
+        for (uint i = 0u; i < kClassCount; ++i) push.control.v.count[kListClasses + i] = 0u;
+    if (does(kEmptyShadows)) push.control.v.count[kListShadows] = 0u;
 }

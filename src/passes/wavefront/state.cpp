@@ -17,7 +17,7 @@ struct BeginPush {
 };
 struct PreparePush {
     uint64_t control, sizes, rays;
-    uint32_t stage, round_begins, round_ends, rays_used, tracing_group, row;
+    uint32_t steps, tracing_group, row;
 };
 
 constexpr uint32_t kTracingGroup = 64;  // scene/trace.glsl
@@ -79,18 +79,13 @@ void begin_wavefront(const WavefrontPass& pass) {
         .over(pass.slots);
 }
 
-void prepare_wavefront(const WavefrontPass& pass, uint32_t stage) {
+void prepare_wavefront(const WavefrontPass& pass, uint32_t steps) {
     const uint32_t tracing_group = pass.way == gpu::TraceWay::Pipeline ? 1 : kTracingGroup;
     pass.frame.compute("wavefront/prepare")
         .read_write("control", pass.state.control)
         .write("sizes", pass.state.sizes)
         .read_write("rays", pass.film.rays)
-        .push(PreparePush{.stage = stage,
-                          .round_begins = pass.round == 0,
-                          .round_ends = pass.round + 1 == pass.state.shape.round_length,
-                          .rays_used = stage == (pass.state.shape.classes ? shared::kAfterSort : shared::kAfterShade),
-                          .tracing_group = tracing_group,
-                          .row = kRowGroups})
+        .push(PreparePush{.steps = steps, .tracing_group = tracing_group, .row = kRowGroups})
         .over(1);
 }
 

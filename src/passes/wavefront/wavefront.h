@@ -49,7 +49,7 @@ struct WavefrontPass {
 };
 
 void begin_wavefront(const WavefrontPass& pass);
-void prepare_wavefront(const WavefrontPass& pass, uint32_t stage);  // shared::kAfter...
+void prepare_wavefront(const WavefrontPass& pass, uint32_t steps);  // of shared/wavefront.h
 void generate(const WavefrontPass& pass);
 void extend(const WavefrontPass& pass);
 void sort_hits(const WavefrontPass& pass);

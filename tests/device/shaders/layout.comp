@@ -50,6 +50,7 @@ layout(set = 1, binding = 0, scalar) buffer AllStructs {
     LightPath light_path[2];
     LightPathInside light_path_inside[2];
     LightPending light_pending[2];
+    LightSums light_sums[2];
     CacheHeader cache_header[2];
     CacheFrameData cache_frame_data[2];
     CacheSize cache_size[2];
@@ -105,6 +106,7 @@ void main() {
         all_structs.light_path[i] = value.light_path[i];
         all_structs.light_path_inside[i] = value.light_path_inside[i];
         all_structs.light_pending[i] = value.light_pending[i];
+        all_structs.light_sums[i] = value.light_sums[i];
         all_structs.cache_frame_data[i] = value.cache_frame_data[i];
         all_structs.cache_size[i] = value.cache_size[i];
     }

@@ -59,6 +59,7 @@ struct LayoutStructs {
     LightPath light_path[2];
     LightPathInside light_path_inside[2];
     LightPending light_pending[2];
+    LightSums light_sums[2];
     CacheHeader cache_header[2];  // stays zero too
     CacheFrameData cache_frame_data[2];
     CacheSize cache_size[2];
@@ -146,7 +147,8 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(LightPath) v) {
     F(throughput) F(pdf) F(diffuse_share) F(travelled) F(cone_width) F(cone_spread) F(way) F(lobes)
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(LightPathInside) v) { F(media) F(radiance_scale) }
-SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(LightPending) v) { F(diffuse) F(specular) F(transmission) F(direct) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(LightPending) v) { F(diffuse) F(pixel) F(specular) F(kind) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(LightSums) v) { F(diffuse) F(specular) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(CacheFrameData) v) {
     F(frame_index) F(seed) F(exposure) F(exposure_ratio) F(cell_scale) F(cell_pixels) F(jitter) F(life) F(most_samples) F(candidates)
 }
@@ -157,7 +159,7 @@ SHARED_FN void fill_entry(SHARED_INOUT(uint) n, SHARED_INOUT(LayoutStructs) v, u
     F(scene_header[i]) F(geometry[i]) F(bvh_addresses[i]) F(affine[i]) F(instance[i]) F(vertex_attributes[i]) F(texture_entry[i]) F(texture_ref[i]) F(material[i]) F(emitter[i])
     F(alias_entry[i]) F(environment[i]) F(hit[i]) F(camera[i]) F(camera_motion[i]) F(view_data[i]) F(slice[i]) F(dumped_ray[i]) F(drawn_geometry[i]) F(raster_counts[i]) F(bvh_node[i]) F(bvh_node_binary[i]) F(bvh_node_compact[i]) F(bvh_triangle[i]) F(bvh_top_item[i])
     F(traversal_ray[i]) F(traversal_hit[i])
-    F(wavefront_ray[i]) F(wavefront_hit[i]) F(wavefront_path[i]) F(wavefront_extra[i]) F(wavefront_slot[i]) F(wavefront_vertex[i]) F(wavefront_shadow_ray[i]) F(wavefront_split[i]) F(wavefront_class_sums[i]) F(wavefront_size[i]) F(wavefront_first[i]) F(tile_sample[i]) F(packed_light[i]) F(realtime_frame[i]) F(light_path[i]) F(light_path_inside[i]) F(light_pending[i])
+    F(wavefront_ray[i]) F(wavefront_hit[i]) F(wavefront_path[i]) F(wavefront_extra[i]) F(wavefront_slot[i]) F(wavefront_vertex[i]) F(wavefront_shadow_ray[i]) F(wavefront_split[i]) F(wavefront_class_sums[i]) F(wavefront_size[i]) F(wavefront_first[i]) F(tile_sample[i]) F(packed_light[i]) F(realtime_frame[i]) F(light_path[i]) F(light_path_inside[i]) F(light_pending[i]) F(light_sums[i])
     F(cache_frame_data[i]) F(cache_size[i])
 }
 #undef F
