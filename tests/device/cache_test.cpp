@@ -55,6 +55,18 @@ TEST_F(CacheTables, a_cell_is_read_from_the_frame_after_the_one_that_asked_for_i
     EXPECT_LE(bench.step(asks)[0].count, 2u);
 }
 
+// What a slot holds of a cell that died there is nobody's: not even that cell's, when it comes again.
+TEST_F(CacheTables, a_cell_that_comes_again_knows_nothing_in_the_frame_of_its_birth) {
+    CacheBench bench(plain());
+    const std::vector<CacheAsk> asks(1024, CacheAsk{.position_ws = {0.1f, 0.0f, 0.1f}, .life = 2});
+    for (int time = 0; time < 2; ++time) {
+        EXPECT_EQ(known(bench.step(asks)), 0u) << time;
+        for (int frame = 0; frame < 3; ++frame) EXPECT_EQ(known(bench.step(asks)), asks.size());
+        for (int frame = 0; frame < 4; ++frame) bench.step({});
+        EXPECT_EQ(bench.stats().live, 0u);
+    }
+}
+
 TEST_F(CacheTables, a_hundred_thousand_askings_for_a_hundred_cells_make_a_hundred) {
     CacheBench bench(plain());
     std::vector<CacheAsk> asks;

@@ -2,7 +2,7 @@
 #include "scene/builtin/random.h"
 #include "scene/builtin/scenes.h"
 #include "scene/shapes.h"
-#include "support/render_fixture.h"
+#include "support/realtime_player.h"
 
 namespace parhelion::testing {
 namespace {
@@ -105,6 +105,27 @@ TEST_F(Torture, the_wavefront_draws_the_same_finite_values) {
             expect_sane(image::resolve_film(found));
             if (device()->caps().type == gpu::DeviceType::Cpu) {
                 EXPECT_EQ(differing_words(found, expected), 0u);
+            }
+        }
+    }
+}
+
+// Young cells and old ones, and a cut to where no cell is yet.
+TEST_F(Torture, every_frame_in_realtime_is_finite_and_not_negative) {
+    Stage stage(scene(), {.raster = true});
+    std::optional<CameraView> inside;
+    for (const auto& [handle, camera] : stage.scene.cameras())
+        if (camera.name == "inside") inside = view_of(camera, 1.0f);
+    for (const gpu::TraceWay way : kWays) {
+        if (!device()->caps().supports(way)) continue;
+        for (const bool cache : {true, false}) {
+            if (cache && (way != gpu::TraceWay::Compute || !LightCache::supported(device()->caps()))) continue;
+            SCOPED_TRACE(fmt::format("{}, cache {}", gpu::trace_way_name(way), cache));
+            const GBufferMode gbuffer = way == gpu::TraceWay::Query && device()->caps().raster ? GBufferMode::Raster : GBufferMode::Trace;
+            Player player(stage, {.way = way, .view = {.width = 36, .height = 32, .aovs = {"path.*"}}}, {.gbuffer = gbuffer, .cache = cache, .cache_options = {.cells = 1u << 13}});
+            for (int frame = 0; frame < (cache ? 12 : 4); ++frame) {
+                if (frame == (cache ? 8 : 2)) player.set_camera(*inside);
+                expect_sane(player.next());
             }
         }
     }

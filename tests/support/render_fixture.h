@@ -44,6 +44,9 @@ public:
     // scene that must be done before are submitted.
     void record(const Shot& shot);
 
+    // The shot's picture, empty.
+    View make_view(const Shot& shot) const;
+
     // A new frame with this edit, told to the device side in one go, as a viewer does.
     ChangeSet step(SceneEdit edit);
 
@@ -58,7 +61,6 @@ public:
     SceneGpu scene_gpu;
 
 private:
-    View make_view(const Shot& shot) const;
     void draw(Wavefront& machine, const Shot& shot, View& view, const shared::Slice& slice);
 };
 
