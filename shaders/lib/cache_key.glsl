@@ -85,9 +85,10 @@ SHARED_FN int cache_flat_axis(uint normal_code) {
     return cache_nearest_axis(int(normal_code) % across - steps, int(normal_code) / across - steps, steps);
 }
 // How many cells of a level there are to its size, by axis.
+SHARED_CONST float kCacheFlat = 4.0f;  // along the axis in which they are flat
 SHARED_FN vec3 cache_flatness(uint normal_code) {
     vec3 cells = vec3(1.0f);
-    cells[cache_flat_axis(normal_code)] = 4.0f;
+    cells[cache_flat_axis(normal_code)] = kCacheFlat;
     return cells;
 }
 

@@ -25,6 +25,8 @@ struct CachePoint {
 float cache_footprint(Cache cache, float cone_width, float pixel_width) { return max(cone_width, pixel_width * (cache.v.cell_pixels / cache.v.cell_scale)); }
 
 uint cache_point_level(Cache cache, CachePoint at) { return cache_level(at.position_ws, cache_normal_code(at.n_geometric_ws), at.footprint * cache.v.cell_scale, at.u); }
+// Whether no cell of a level is so long that it holds faces of two rooms which a wall divides: as far as the path saw nothing before it.
+bool cache_in_room(CachePoint at, uint level) { return cache_level_size(level) <= kCacheFlat * dot(at.back_ws, at.n_geometric_ws); }
 float cache_cell_size(Cache cache, CachePoint at) { return cache_level_size(cache_point_level(cache, at)); }
 
 vec3 cache_jitter(Cache cache, float u) {
@@ -135,6 +137,7 @@ CacheAnswer cache_consult(Cache cache, CachePoint at, uint life) {
     float missing = 1.0;
     CacheAnswer sum = CacheAnswer(vec3(0.0), 0.0);
     for (uint above = 0u; above <= kCacheParents && level + above < kCacheLevels; ++above) {
+        if (above != 0u && !cache_in_room(at, level + above)) break;
         const bool claims = life != 0u && cache_wants_parent(cache, at, life, above);
         if (!claims && missing <= 0.0) continue;
         const CachePlace place = cache_place(cache, at, level + above);

@@ -109,7 +109,7 @@ bool cache_meet(Cache cache, ViewData view, inout CachePath p, Surface s, Medium
     const vec3 share = p.path.throughput * cache_diffuse_albedo(shading, drawn), wo_ws = -p.path.ray.direction_ws;
     if (max_component(share) > 0.0) {
         // What lights a cell is as coarse as it, and coarser the farther it is.
-        const CachePoint at = cache_point(s, wo_ws, max(p.way, cell_size / cache.v.cell_scale), u.x);
+        const CachePoint at = cache_point(s, wo_ws, max(s.t, cell_size / cache.v.cell_scale), u.x);
         const CacheAnswer answer = cache_consult(cache, at, life);
         if (answer.count >= p.steady || p.unknown) p.found += share * answer.irradiance / cache.v.exposure;
         else {

@@ -93,9 +93,9 @@ void Realtime::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, Vi
     passes::summarise_surfaces(frame, scene, film, gbuffer_, frame_index_, options_.exposure);
     if (options_.tiles) passes::draw_light_tiles(frame, scene, tiles_, frame_index_, view.desc().seed, {film.width, film.height});
     if (cache_) {
-        const bool changed = lights_version_ != 0 && scene.lights_version() != lights_version_;
+        const bool changed = scene_version_ != 0 && scene.version() != scene_version_;  // what moves takes its shadow along
         passes::update_cache(frame, scene, way, *cache_, {.frame_index = frame_index_, .seed = view.desc().seed, .exposure = options_.exposure, .lights_changed = changed, .view = film.view});
-        lights_version_ = scene.lights_version();
+        scene_version_ = scene.version();
     }
     if (cache_ && shows_cache(view)) passes::show_cache(frame, scene, film, gbuffer_, cache_->buffer(), frame_index_);
     trace_paths(frame, scene, way, view);

@@ -58,7 +58,7 @@ private:
     uint32_t band_rows_ = 0;
     gpu::Buffer tiles_;
     std::optional<LightCache> cache_;
-    uint64_t lights_version_ = 0;
+    uint64_t scene_version_ = 0;
     uint32_t frame_index_ = 0;
 };
 

@@ -61,7 +61,6 @@ std::vector<uint32_t> translate_rows(std::span<const EmitterKey> before, std::sp
 
 void SceneGpu::State::make_environment() {
     if (!environment_table_stale) return;
-    lights_edited = true;
     const Environment& e = scene->environment();
     environment = {.scale = e.scale,
                    .texture = shared::kNone,
@@ -80,24 +79,6 @@ void SceneGpu::State::make_environment() {
     for (size_t i = 0; i < rows.size(); ++i)
         rows[i].pmf = static_cast<float>(rows[i].pmf / environment_cell_solid_angle(static_cast<uint32_t>(i / environment.table_width), environment.table_width, environment.table_height));
     environment_alias = make_table("environment_alias", std::move(rows));
-}
-
-// What shines, and where: when it differs from before, the light everywhere may.
-void SceneGpu::State::note_lights(std::span<const double> weights) {
-    std::vector<float> state(weights.begin(), weights.end());
-    const auto add = [&](const auto&... values) { (state.push_back(static_cast<float>(values)), ...); };
-    const auto add_vector = [&](const glm::vec3& v) { add(v.x, v.y, v.z); };
-    for (const shared::Emitter& e : emitters) {
-        add(e.kind, e.cos_inner, e.cos_outer, e.opening);
-        for (const glm::vec3& v : {e.position_ws, e.direction_ws, e.intensity}) add_vector(v);
-        if (e.kind != shared::kEmitterMesh) continue;
-        const glm::mat4& world = scene->get(instance_handles[e.instance]).place.world_from_object;
-        for (int column = 0; column < 4; ++column) add_vector(glm::vec3(world[column]));
-    }
-    add_vector(environment.scale);
-    add(environment.rotation_sin, environment.rotation_cos);
-    lights_edited |= state != light_state;
-    light_state = std::move(state);
 }
 
 void SceneGpu::State::place_emitters() {
@@ -155,7 +136,6 @@ void SceneGpu::State::place_emitters() {
     std::vector<double> weights(emitters.size());
     for (size_t k = 0; k < finite.size(); ++k) weights[finite_rows[k]] = finite_total > 0 ? (1 - share) * (finite[k] / finite_total) : 0;
     for (size_t k = 0; k < infinite.size(); ++k) weights[infinite_rows[k]] = infinite_total > 0 ? share * (infinite[k] / infinite_total) : 0;
-    note_lights(weights);
     std::vector<shared::AliasEntry> rows = make_alias_rows(weights);
     emitter_table = make_table("emitters", std::span<const shared::Emitter>(emitters));
     emitter_alias = make_table("emitter_alias", std::move(rows));

@@ -84,7 +84,6 @@ public:
     const DrawnGeometries& drawn() const;  // of the same scene, with SceneGpuOptions::raster; what its table names lies in binding()
     // Grows whenever binding() begins to show another scene: samples of different versions do not belong into one film.
     uint64_t version() const;
-    uint64_t lights_version() const;  // grows whenever its lights have been switched, moved, recoloured, added or taken away
     const SceneGpuStats& stats() const;
     uint32_t features() const;  // shared::kScene...: what the shaders that draw binding() must know
 

@@ -155,9 +155,7 @@ struct SceneGpu::State {
     bool environment_table_stale = true;  // its image is taken care of, its row and its light table are not
     bool has_no_past = true;  // the scene has never been published: its previous frame is the present one
     bool tables_running = false;       // step 2 has begun and waits for slices
-    uint64_t published = 0, version = 0, lights_version = 0;
-    bool lights_edited = false;      // the tables that are made show other lights than those before
-    std::vector<float> light_state;  // by which that is known
+    uint64_t published = 0, version = 0;
     SceneProgress progress;
 
     // geometry.cpp
@@ -266,7 +264,6 @@ struct SceneGpu::State {
     void place_driver_top(std::span<const uint32_t> drawn, std::span<MeshOnDevice* const> drawn_mesh);
     void place_own_top(std::span<const uint32_t> drawn, std::span<MeshOnDevice* const> drawn_mesh);
     void place_drawn(std::span<const uint32_t> drawn, std::span<MeshOnDevice* const> drawn_mesh);
-    void note_lights(std::span<const double> weights);
     void place_emitters();   // the top of the light table
 
     // Step 3.

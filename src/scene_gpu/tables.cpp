@@ -47,8 +47,6 @@ void SceneGpu::State::publish(Frame& frame) {
     drawn_now = std::move(drawn_next);
     published += tables_advance ? 1 : 0;
     version += tables_edited ? 1 : 0;
-    lights_version += lights_edited ? 1 : 0;
-    lights_edited = false;
     unsettled |= tables_edited;
     frame_began = false;
     write_header(frame);
