@@ -46,6 +46,7 @@ struct TruthScene {
     const char* source;     // builtin:..., or a file of the folder that PARHELION_ASSETS names
     bool small = false;     // also in the small truth
     bool caustics = false;  // light that smooth surfaces throw at diffuse ones
+    bool noisy = false;     // takes twice the frames
     glm::vec3 from{0.0f}, at{0.0f};  // where a file's camera stands and looks; equal: one that frames the scene
     float fov_degrees = 45.0f;
 };
