@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "renderers/realtime.h"
 #include "renderers/wavefront.h"
 #include "session/scene_setup.h"
 #include "support/render_fixture.h"
@@ -12,6 +13,8 @@ namespace {
 
 const std::string kGolden = PARHELION_SOURCE_DIR "/tests/golden/", kDocument = PARHELION_SOURCE_DIR "/docs/frame.md";
 const std::string kFirstHits = kGolden + "reference.first_hits.txt";
+
+const std::string kRealtime = kGolden + "realtime.txt";
 
 std::string read(const std::string& path) {
     std::ifstream file(path);
@@ -61,6 +64,21 @@ TEST_F(FrameListing, the_wavefront_records_the_kernels_that_are_written_down) {
     }
 }
 
+TEST_F(FrameListing, realtime_records_the_passes_that_are_written_down) {
+    if (device()->caps().type != gpu::DeviceType::Cpu) GTEST_SKIP() << "not the CPU device";
+    Stage& stage = builtin_stage("builtin:cornell");
+    stage.scene_gpu.finish(stage.frame);
+    stage.frame.run();
+    const CameraView camera = view_of((*stage.scene.cameras().begin()).value, 1.0f);
+    View view(device(), {.width = 64, .height = 64, .camera = shader_camera(camera, 1.0f), .filter = PixelFilter::Point});
+    Realtime realtime(device(), view, {});
+    for (int i = 0; i < 2; ++i) {
+        realtime.record(stage.frame, stage.scene_gpu, gpu::TraceWay::Compute, view, true);
+        stage.frame.run();
+    }
+    expect_file(kRealtime, stage.frame.listing());
+}
+
 TEST_F(FrameListing, the_document_is_made_from_the_listings) {
     std::string text =
         "# Frame listings\n\n"
@@ -76,6 +94,7 @@ TEST_F(FrameListing, the_document_is_made_from_the_listings) {
     text += "\n## wavefront, wavefront.connect=each_bounce\n\nThe first frame of a slice of builtin:glass: one iteration ([wavefront](wavefront.md)). Later frames repeat the rows from Generate to\nFinalize, as often as takes about 60 ms.\n\n```\n" +
             read(wavefront_golden(ConnectWhen::EachBounce)) + "```\n";
     text += "\n## wavefront, wavefront.connect=once\n\nWith at most 4 scatterings a path has 5 vertices.\n\n```\n" + read(wavefront_golden(ConnectWhen::Once)) + "```\n";
+    text += "\n## realtime\n\nThe second frame of builtin:cornell: paths of at most four vertices ([realtime](realtime.md)). Scenes of layered materials have more rounds, and two kernels of Shade.\n\n```\n" + read(kRealtime) + "```\n";
     expect_file(kDocument, text);
 }
 
