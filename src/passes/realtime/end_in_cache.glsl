@@ -43,6 +43,7 @@ bool end_in_cache(Cache cache, ViewData view, PathKey key, PathState path, Shadi
     const Surface s = shading.s;
     const uint kCacheSalt = 0x43414348u;
     const float u_level = uint_to_unit_float(hash_combine(alpha_key(key, path.path_class.bounce, kRayPath), kCacheSalt));
+    // A cone that many lobes have widened is no measure of a small room: the last ray is.
     const CachePoint at = cache_point(s, -path.ray.direction_ws, cache_footprint(cache, min(f.cone.width, 2.0 * s.t), view.pixel_width + view.pixel_spread * f.way), u_level);
     if (!last && path.travelled + s.t <= sqrt(3.0) * cache_cell_size(cache, at)) return false;
     vec3 irradiance;

@@ -1,6 +1,6 @@
 #pragma once
 // Passes of the realtime renderer after the G-buffer. A frame's paths live in slots, one a pixel, a band of rows at a time; they are traced
-// and sorted by the wavefront's kernels, and shaded by their own.
+// by the wavefront's kernels, and sorted, shaded and lit by their own.
 #include "passes/gbuffer/gbuffer.h"
 #include "passes/wavefront/wavefront.h"
 

@@ -2,7 +2,7 @@
 // Shades a vertex of each listed path: what arrives there, which light it asks for, where it goes on. At the first surface the light is one
 // sample out of several; after it paths end in the world cache (CACHE), in the sky, or by themselves. Without the cache this is the
 // reference's estimate, and without light tiles too it has the reference's samples of the frame's index.
-// Scenes of layered materials (glass, coats, sheen) have two kernels: PLAIN+LAYERS for surfaces that are plain, a third of the other's size.
+// Scenes of layered materials (glass, coats, sheen) have two kernels: PLAIN+LAYERS for surfaces that are plain.
 // Reads: scene, view, identity (what paths meet first), hits (later), lists (a kernel's), tiles. Reads and writes: control, lists (rays),
 // rays, paths, inside, sums, emission, block (path classes, debug layers), and with CACHE cache (cells that are missed, and longer lives).
 // Writes: shadow_list, shadow_rays, pending, distances (to what the first ray met).
