@@ -36,7 +36,7 @@ Ray sample_camera_ray(ViewData view, uvec2 pixel, PathSampler samples, uint alph
     Camera camera = view.camera;
     if ((view.flags & kViewShutter) != 0u) camera = camera_at(camera, view.motion, shutter_share(samples.sample_index, view.seed));
     start_bounce(samples, 0u);
-    const vec2 in_pixel = view.pixel_filter == kFilterPoint ? vec2(0.5) : next_2d(samples);
+    const vec2 in_pixel = view.pixel_filter == kFilterPoint ? vec2(0.5) + view.jitter : next_2d(samples);
     const Ray ray = camera_ray(camera, vec2(pixel) + in_pixel, vec2(view.width, view.height), alpha_key);
     if (camera.lens_radius == 0.0) return ray;
     samples.dimension = 2u;

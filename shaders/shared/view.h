@@ -84,6 +84,7 @@ struct ViewData {
     uint flags;              // kView...
     float firefly_clamp;     // nits: most that one contribution after the first scattering may add; 0: no limit
     float pixel_width, pixel_spread;  // a pixel's ray cone at the camera: metres, radians
+    vec2 jitter;             // pixels, x to the right, y down: where kFilterPoint looks through pixels, from their centres
     uint channel[kFilmGroupCount];
     uint channel_count;
 };

@@ -32,6 +32,7 @@ Realtime::Realtime(gpu::DevicePtr device, const View& view, const RealtimeOption
     if (options.gbuffer == GBufferMode::Raster && view.desc().camera.lens_radius > 0)
         throw Error(ErrorCode::Usage, "a camera with a lens is traced", "gbuffer.mode=raster", "use gbuffer.mode=trace");
     if (options.cache) cache_.emplace(device, options.cache_options);
+    if (options.reconstruction) reconstruction_.emplace(device, gbuffer_.identity.extent(), gbuffer_.identity.extent(), *options.reconstruction);
     const uint32_t rows = (options.slots != 0 ? options.slots : passes::usual_light_paths(device->caps())) / view.film().width / kTileRows * kTileRows;
     band_rows_ = std::clamp(rows, std::min(kTileRows, view.film().height), view.film().height);
 }
@@ -83,10 +84,22 @@ void Realtime::trace_paths(Frame& frame, const SceneGpu& scene, gpu::TraceWay wa
     }
 }
 
+// The frame's picture into the film.
+void Realtime::show(Frame& frame, View& view) {
+    const passes::Film& film = view.film();
+    if (!reconstruction_) return passes::composite(frame, film, gbuffer_, signals_, options_.exposure);
+    const shared::ViewData& data = view.data();
+    const bool turned = glm::dot(data.camera.forward_ws, data.camera_before.forward_ws) <= 0.0f || data.camera.orthographic != data.camera_before.orthographic;
+    reconstruction_->record(frame, {.film = film, .jitter_px = view.jitter(), .gbuffer = gbuffer_, .signals = signals_, .exposure = options_.exposure, .cut = cut_ || turned}, frame_index_);
+    view.hold_camera();
+    cut_ = false;
+}
+
 void Realtime::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, View& view, bool ends_range) {
     const passes::Film& film = view.film();
     const auto sample = static_cast<uint32_t>(view.accumulation().samples++);
     const shared::Slice slice{.first_row = 0, .row_count = film.height, .first_sample = sample, .sample_count = 1};
+    if (reconstruction_) view.set_jitter(reconstruction_->jitter_px(frame_index_));
     begin_slice(frame, scene, way, view, slice);
     if (options_.gbuffer == GBufferMode::Raster) passes::raster_identity(frame, scene, film, gbuffer_.identity, raster_, frame_index_);
     else passes::trace_identity(frame, scene, way, film, gbuffer_, frame_index_);
@@ -99,7 +112,7 @@ void Realtime::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, Vi
     }
     if (cache_ && shows_cache(view)) passes::show_cache(frame, scene, film, gbuffer_, cache_->buffer(), frame_index_);
     trace_paths(frame, scene, way, view);
-    passes::composite(frame, film, gbuffer_, signals_, options_.exposure);
+    show(frame, view);
     end_slice(frame, view, slice, ends_range);
     ++frame_index_;
 }

@@ -6,6 +6,7 @@
 #include "passes/gbuffer/raster.h"
 #include "passes/lights/lights.h"
 #include "passes/realtime/realtime.h"
+#include "renderers/reconstruction.h"
 #include "renderers/view.h"
 
 namespace parhelion {
@@ -25,6 +26,7 @@ struct RealtimeOptions {
     uint32_t slots = 0;          // paths at a time, in bands of whole rows; 0: as suits the device. Pictures do not depend on it
     CacheOptions cache_options;
     float exposure = 1.0f;    // stored radiance is nits times this; about 1 over the nits of white
+    std::optional<ReconstructionOptions> reconstruction = {};  // none: frames are as noisy as their paths
 };
 
 // Draws frames of one view.
@@ -42,9 +44,12 @@ public:
     const std::optional<LightCache>& cache() const { return cache_; }
     // Of the coming frames; what is stored is rescaled.
     void set_exposure(float exposure) { options_.exposure = exposure; }
+    // The coming frame has nothing to do with those before: a cut. A camera that turns by a right angle or more says so itself.
+    void cut() { cut_ = true; }
 
 private:
     uint32_t path_length(const SceneGpu& scene, const View& view) const;
+    void show(Frame& frame, View& view);
     void trace_band(passes::LightPass pass, uint32_t path_length);
     void trace_paths(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const View& view);
 
@@ -58,6 +63,8 @@ private:
     uint32_t band_rows_ = 0;
     gpu::Buffer tiles_;
     std::optional<LightCache> cache_;
+    std::optional<Reconstruction> reconstruction_;
+    bool cut_ = false;
     uint64_t scene_version_ = 0;
     uint32_t frame_index_ = 0;
 };

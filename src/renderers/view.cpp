@@ -170,6 +170,16 @@ void View::set_camera(const shared::Camera& camera, const std::optional<shared::
     if (!keep_film) clear_film();
 }
 
+void View::hold_camera() {
+    data_.camera_before = data_.camera;
+    upload_ = true;
+}
+
+void View::set_jitter(glm::vec2 jitter_px) {
+    upload_ = upload_ || data_.jitter != jitter_px;
+    data_.jitter = jitter_px;
+}
+
 void View::prepare(Frame& frame) {
     if (upload_) frame.upload(film_.view, 0, std::as_bytes(std::span(&data_, 1)));
     if (clear_) {

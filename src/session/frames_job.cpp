@@ -73,6 +73,7 @@ void FramesJob::begin() {
     if (realtime()) {
         RealtimeOptions settings = realtime_options(settings_);
         settings.exposure = static_cast<float>(image::exposure_scale_from_ev100(report_.exposure_ev));
+        if (options_.denoise == DenoiseKind::Builtin) settings.reconstruction = settings_.reconstruction;
         realtime_.emplace(device_, *view_, settings);
     }
     played_camera_.emplace(loaded_.scene, options_, camera_.opens);

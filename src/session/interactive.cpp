@@ -99,7 +99,7 @@ void Interactive::set_up_scene() {
 }
 
 std::unique_ptr<ViewDrawer> Interactive::make_drawer(RendererKind kind, const RenderSettings& settings) const {
-    return make_view_drawer(device_, {.kind = kind, .size = options_.size, .max_samples = options_.samples.end}, settings);
+    return make_view_drawer(device_, {.kind = kind, .size = options_.size, .max_samples = options_.samples.end, .denoise = options_.denoise}, settings);
 }
 
 void Interactive::set_up_view() {

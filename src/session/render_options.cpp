@@ -190,6 +190,9 @@ RenderOptions read_picture(const OptionValues& values) {
     if (!values.positionals.empty()) options.scene = values.positionals.front();
     options.load = read_load_options(values);
     options.renderer = read_choice<RendererKind>(values, "--renderer");
+    options.denoise = read_choice<DenoiseKind>(values, "--denoise");
+    if (options.denoise == DenoiseKind::Builtin && options.renderer != RendererKind::Realtime)
+        refuse(values.where("--denoise"), "builtin puts a realtime frame together with those before it", "add --renderer realtime, or leave it out");
     options.size = parse_size(values.text("--size"), "--size");
     options.seed = read_uint(values, "--seed");
     options.max_bounces = read_uint(values, "--max-bounces");

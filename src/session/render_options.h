@@ -15,6 +15,7 @@
 namespace parhelion {
 
 enum class RendererKind { Reference, Wavefront, Realtime };
+enum class DenoiseKind { None, Builtin, Oidn };
 enum class TraceChoice { Auto, Pipeline, Query, Compute };
 
 // Where a picture goes, and in which form.
@@ -36,6 +37,7 @@ struct RenderOptions {
     std::string scene;  // file or builtin:NAME; empty with print_settings
     LoadOptions load;
     RendererKind renderer = RendererKind::Reference;
+    DenoiseKind denoise = DenoiseKind::None;
     Size2 size{1280, 720};
     uint32_t seed = 0;
     IndexRange samples{0, 64};  // half open

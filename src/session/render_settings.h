@@ -37,6 +37,7 @@ struct RenderSettings {
     Switch realtime_cache = Switch::On, realtime_tiles = Switch::On;
     uint32_t realtime_candidates = 8, realtime_path_bounces = 3, realtime_slots = 0;
     CacheOptions cache;
+    ReconstructionOptions reconstruction;
 };
 
 template <class V>
@@ -50,6 +51,22 @@ void visit_cache(V&& v, CacheOptions& s) {
     v.field("cache.cell_pixels", s.cell_pixels, range(1, 256), "least size of a cell, in pixels of the camera that looks there");
     v.field("cache.jitter", s.jitter, range(0, 1), "how far look-ups are moved along the surface, in cells: blends neighbours");
     v.field("cache.change_frames", s.change_frames, range(0, 256), "frames after a change of the lights in which cells forget fast");
+}
+
+template <class V>
+void visit_reconstruction(V&& v, ReconstructionOptions& s) {
+    v.field("reconstruction.history", s.history, range(1, shared::kMostFrames), "frames that a pixel's light is the running mean of, at most");
+    v.field("reconstruction.fast_history", s.fast_history, range(1, shared::kMostFrames), "those of the fast mean that the slow one is held against");
+    v.field("reconstruction.steps", s.steps, range(0, 8), "steps of the spatial filter, each twice as wide as the one before; 0: none");
+    v.field("reconstruction.sigmas", s.sigmas, range(0.01, 100), "standard deviations that the light of neighbours may differ by in the spatial filter");
+    v.field("reconstruction.firefly", s.firefly, range(0, 1e6), "times its brightest neighbour's light: what a pixel has more is shared with them; 0: fireflies stay");
+    v.field("reconstruction.antilag", s.antilag, range(0, 1000), "standard errors by which changed light must stand out to shorten histories; 0: they never shorten");
+    v.field("reconstruction.clamp_width", s.clamp_width, range(0, 1000), "standard deviations around that the slow mean may lie off the fast one's; 0: any");
+    v.field("reconstruction.virtual_motion", s.virtual_motion, on_off(), "look for reflections where they were seen, not only where the surface was");
+    v.field("reconstruction.antialias", s.antialias, on_off(), "look elsewhere through pixels in every frame, and put these together");
+    v.field("reconstruction.picture_history", s.picture_history, range(1, 1024), "frames that anti-aliasing puts together, at most");
+    v.field("reconstruction.kernel", s.kernel, range(0.05, 2), "pixels: how far off a frame's rays count for a pixel of the picture (standard deviation)");
+    v.field("reconstruction.deviations", s.deviations, range(0.1, 100), "standard deviations of the colours around that the picture's history may lie off");
 }
 
 template <class V>
@@ -94,6 +111,7 @@ void visit(V&& v, RenderSettings& s) {
     v.field("realtime.path_bounces", s.realtime_path_bounces, range(1, 64), "reflections after which a path ends in the cache whatever it meets, but for glass");
     v.field("realtime.slots", s.realtime_slots, range(0, 1 << 24), "paths at a time, in bands of whole rows; 0: as suits the device. Pictures do not depend on it");
     visit_cache(v, s.cache);
+    visit_reconstruction(v, s.reconstruction);
     v.field("sky.sun_elevation", s.sun_elevation, range(-18, 90), "degrees of the clear sky's sun above the horizon");
     v.field("sky.sun_azimuth", s.sun_azimuth, range(-360, 360), "degrees of the clear sky's sun from +Z towards +X");
 }

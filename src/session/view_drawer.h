@@ -42,6 +42,7 @@ struct DrawerOptions {
     RendererKind kind = RendererKind::Reference;
     Size2 size;
     uint64_t max_samples = 0;  // a picture ends after so many
+    DenoiseKind denoise = DenoiseKind::None;
 };
 
 // Adding a renderer: a class in view_drawer.cpp and a line in this function. Throws Error if the device or the settings do not let it draw.

@@ -40,6 +40,7 @@ SeenBox see_box(Camera camera, Affine world_from_object, vec3 lower, vec3 upper)
     SeenBox box = SeenBox(false, false, vec2(3e38), vec2(-3e38), 3e38, -3e38);
     bool left = true, right = true, below = true, above = true;
     const float scale = 1.0 / min(length(camera.right_ws), length(camera.up_ws));
+    const vec2 edge = 1.0 + 2.0 / vec2(push.view.data.width, push.view.data.height);  // jittered pixels look past it by half of one
     for (uint i = 0u; i < 8u; ++i) {
         const vec3 corner = mix(lower, upper, bvec3(i & 1u, i & 2u, i & 4u));
         vec3 error;
@@ -47,10 +48,10 @@ SeenBox see_box(Camera camera, Affine world_from_object, vec3 lower, vec3 upper)
         const vec3 v = to_view(camera, p), sizes = abs(p) + abs(camera.position_ws);
         const float slack = 2e-6 * (sizes.x + sizes.y + sizes.z), extent = camera.orthographic != 0u ? 1.0 : v.z;
         const float room = slack * (scale + 1.0);
-        left = left && v.x < -extent - room;
-        right = right && v.x > extent + room;
-        below = below && v.y < -extent - room;
-        above = above && v.y > extent + room;
+        left = left && v.x < -extent * edge.x - room;
+        right = right && v.x > extent * edge.x + room;
+        below = below && v.y < -extent * edge.y - room;
+        above = above && v.y > extent * edge.y + room;
         box.z_near = min(box.z_near, v.z - slack);
         box.z_far = max(box.z_far, v.z + slack);
         box.lower = min(box.lower, (v.xy - room) / extent);

@@ -33,7 +33,7 @@ vec2 canonical_barycentrics(Ray ray, uint instance) {
 bool accepted() {
     const ViewData view = push.view.data;
     const uvec2 pixel = uvec2(gl_FragCoord.xy);
-    const Ray ray = camera_ray(view.camera, vec2(pixel) + 0.5, vec2(view.width, view.height), hash_ray(pixel, push.frame_index, view.seed, 0u, kRayPath));
+    const Ray ray = camera_ray(view.camera, vec2(pixel) + 0.5 + view.jitter, vec2(view.width, view.height), hash_ray(pixel, push.frame_index, view.seed, 0u, kRayPath));
     const uint instance = ids.x & kHitInstanceMask;
     return accept_hit(ray.alpha_key, instance, ids.y, ids.z, canonical_barycentrics(ray, instance), gl_FrontFacing);
 }

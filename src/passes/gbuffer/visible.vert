@@ -19,4 +19,5 @@ void main() {
     ids = uvec3(row.instance | (flags & kInstanceDeforms) << 30, row.geometry, primitive);
     const Camera camera = push.view.data.camera;
     gl_Position = to_clip(camera, to_view(camera, position_ws), uintBitsToFloat(push.counts.data.far_bits));
+    gl_Position.xy -= 2.0 * push.view.data.jitter / vec2(push.view.data.width, push.view.data.height) * gl_Position.w;  // pixels look beside their centres
 }

@@ -40,8 +40,11 @@ PathState unpack_light_path(WavefrontRay ray, LightPath kept, LightPathInside in
 LightPathInside pack_inside(PathState path) { return LightPathInside(path.media.materials, path.radiance_scale); }
 const LightPathInside kOutside = LightPathInside(uvec4(kNone), 1.0);
 
-// Half floats, as reconstruction wants them; what is farther is as good as the sky.
-uint pack_distance(float metres) { return packHalf2x16(vec2(min(metres, 65504.0))); }
+// Half floats, as reconstruction wants them; what is farther is as good as the sky. First the diffuse lobe's, then the others'; 0: not by it.
+uint pack_distance(float metres, PathClass by) {
+    const float d = min(metres, 65504.0);
+    return packHalf2x16(max_component(by.diffuse_share) > 0.5 ? vec2(d, 0.0) : vec2(0.0, d));
+}
 
 // Adds light by its class: to the slot's sums, and where the film has layers of classes, to those.
 void add_light(Sums sums, uint slot, FilmBlock block, ViewData view, uint pixel, PathRadiance light) {

@@ -10,7 +10,7 @@ namespace parhelion::passes {
 struct Signals {
     gpu::Buffer diffuse, specular;  // PackedLight[pixels]; what goes through the first surface counts as specular
     gpu::Buffer emission;           // PackedLight[pixels]: seen straight
-    gpu::Buffer distances;          // half2[pixels]: metres to what the path met first, twice
+    gpu::Buffer distances;          // half2[pixels]: metres to what the path met first after the surface, by its diffuse lobe and by others; 0: it took the other
 };
 Signals make_signals(const gpu::DevicePtr& device, uint64_t pixels);
 

@@ -145,7 +145,7 @@ VertexResult shade(uint slot) {
     if (met.instance_bits == kHitMiss) vertex = end_in_sky(view, path, first);
     else vertex = shade_vertex(view, key, Hit(met.instance_bits, met.geometry, met.primitive, 0u, 0.0), path, first);
     if (push.round != 0u) film_add(push.block, view, kFilmDebugRays, pixel, vec3(1.0));
-    if (push.round <= 1u) push.distances.v[pixel] = push.round == 0u ? 0u : pack_distance(vertex.t);
+    if (push.round <= 1u) push.distances.v[pixel] = push.round == 0u ? 0u : pack_distance(vertex.t, before);
     keep_arriving(view, slot, pixel, before, vertex.arriving);
     if (vertex.event.exists) keep_event(slot, pixel, before, vertex.event);
     if (vertex.goes_on) {

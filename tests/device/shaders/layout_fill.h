@@ -110,7 +110,7 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Camera) v) { F(position_w
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(CameraMotion) v) { F(translation_ws) F(axis_ws) F(half_angle) F(zoom) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(ViewData) v) {
     F(camera) F(camera_before) F(motion) F(width) F(height) F(seed) F(sampler_kind) F(max_bounces) F(pixel_filter) F(roulette_start) F(light_sampling) F(flags) F(firefly_clamp)
-    F(pixel_width) F(pixel_spread)
+    F(pixel_width) F(pixel_spread) F(jitter)
     for (uint i = 0u; i < kFilmGroupCount; ++i) F(channel[i])
     F(channel_count)
 }

@@ -1,0 +1,41 @@
+// What reconstruction keeps of a pixel, and how a frame of it is set (docs/reconstruction.md).
+#ifndef PARHELION_SHARED_RECONSTRUCTION_H
+#define PARHELION_SHARED_RECONSTRUCTION_H
+#include "shared/types.h"
+SHARED_BEGIN
+
+// Pixels along the side of a tile, over which change is told from noise.
+SHARED_CONST uint kChangeTile = 8u;
+// History lengths are kept in eight bits, in quarters of a frame.
+SHARED_CONST float kMostFrames = 63.0f;
+
+// Planes of a pixel's state, a word each.
+SHARED_CONST uint kStateFast = 0u;    // half2: luminance over the last few frames, diffuse and specular
+SHARED_CONST uint kStateHits = 1u;    // half2: metres to what the paths met after the surface, diffuse and specular; 0: not known
+SHARED_CONST uint kStateFrames = 2u;  // frames that the two signals' histories are worth (8 bits each), then the surface's id (16 bits; 0: sky)
+SHARED_CONST uint kStatePlanes = 3u;
+
+// Luminance of a tile's pixels that have a history: what the frame brought, what the history said, and the variance of the first.
+struct ChangeTile {
+    float diffuse_now, diffuse_before, diffuse_variance;
+    float specular_now, specular_before, specular_variance;
+    float count;
+    float unused;
+};
+
+// Settings of a frame. `vec2`s are pixels of the rendered picture.
+struct ReconstructionFrame {
+    vec2 jitter, jitter_before;  // ViewData::jitter of this frame and the last
+    float exposure_scale;        // stored light times this is light in this frame's exposure
+    uint frame_index;            // key of its random numbers
+    uint has_history;            // 0: everything begins anew
+    uint history;                // frames that a history is worth at most
+    uint fast_history;           // those of the fast one
+    float firefly;               // times the brightest neighbour: what a pixel may have more is shared with them; 0: all
+    float antilag;               // standard errors that a change must stand out by; 0: none does
+    float clamp_width;           // standard deviations of the fast history that the slow one may lie off; 0: any
+    uint virtual_motion;         // 1: reflections are looked for where they were seen
+};
+
+SHARED_END
+#endif

@@ -1,0 +1,189 @@
+#version 460
+// Adds the frame's light to what earlier frames brought to the same surface: fireflies are shared out first, then each signal is a running
+// mean of as many frames as its history is worth. Diffuse light is looked for where the surface was, specular light there or where its
+// reflection was seen, whichever agrees. Histories are short where the light of a tile and its neighbours has changed by more than noise.
+// Schied et al. 2017 (SVGF) for the means; Zhdan 2021 (ReBLUR) for virtual motion and the fast history; Schied et al. 2018 (A-SVGF) for the
+// idea to shorten histories by what changed, here told by a test of means.
+// Reads: view, identity, summary, motion, depth, signals (diffuse, specular, distances), the last frame's guide, light, state and tiles.
+// Writes: guide, normals (geometric), light, state, tiles.
+#extension GL_GOOGLE_include_directive : require
+#include "lib/hash.glsl"
+#include "lib/packed_light.glsl"
+#include "lib/projection.glsl"
+#include "reconstruction/fireflies.glsl"
+#include "shared/hit.h"
+
+layout(local_size_x = kChangeTile, local_size_y = kChangeTile) in;
+layout(set = 1, binding = 0, rgba32ui) uniform readonly uimage2D identity;
+layout(set = 1, binding = 1, rgba32ui) uniform readonly uimage2D summary;
+layout(set = 1, binding = 2, rg32f) uniform readonly image2D motion;
+layout(set = 1, binding = 3, r32f) uniform readonly image2D depth;
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ViewBlock { ViewData data; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Noisy { PackedLight v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Words { uint v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Pairs { uvec2 v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Tiles { ChangeTile v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer NewWords { uint v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) writeonly buffer NewPairs { uvec2 v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer NewTiles { ChangeTile v[]; };
+layout(push_constant, scalar) uniform Push {
+    ViewBlock view;
+    Noisy diffuse, specular;
+    Words distances;
+    Pairs guide_before, diffuse_before, specular_before;
+    Words state_before;
+    Tiles tiles_before;
+    NewPairs guide, diffuse_now, specular_now;
+    NewWords normals, state;
+    NewTiles tiles;
+    ReconstructionFrame frame;
+} push;
+#include "reconstruction/history.glsl"
+
+const uint kPixels = kChangeTile * kChangeTile;
+shared float told[7][kPixels];
+
+uint surface_id(uvec4 which) { return which.x == kHitMiss ? 0u : max(pcg_hash((which.x & kHitInstanceMask) ^ which.y << 20) & 0xFFFFu, 1u); }
+
+void load_light(ViewData view, uint i) {
+    const ivec2 at = ivec2(gl_WorkGroupID.xy * kChangeTile) + ivec2(i % kSide, i / kSide) - int(kRing);
+    const bool inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(view.width, view.height)));
+    lit_id[i] = inside ? surface_id(imageLoad(identity, at)) : 0u;
+    lit_diffuse[i] = lit_specular[i] = vec3(0.0);
+    if (lit_id[i] == 0u) return;
+    const uint pixel = uint(at.y) * view.width + uint(at.x);
+    lit_diffuse[i] = unpack_light(push.diffuse.v[pixel]);
+    lit_specular[i] = unpack_light(push.specular.v[pixel]);
+}
+
+// How sure it is that a signal's light has changed: its mean over the tiles around, against the history's mean there.
+float judge_change(float now, float before, float variance) {
+    const float change = abs(now - before), stands_out = change / max(sqrt(variance), 1e-12), share = change / max(max(now, before), 1e-12);
+    return smoothstep(push.frame.antilag, 2.0 * push.frame.antilag, stands_out) * smoothstep(0.1, 0.25, share);
+}
+vec2 find_change(ViewData view, vec2 before_px) {
+    if (push.frame.antilag <= 0.0) return vec2(0.0);
+    const ivec2 tiles = (ivec2(view.width, view.height) + int(kChangeTile) - 1) / int(kChangeTile), middle = ivec2(floor(before_px / float(kChangeTile)));
+    vec3 diffuse = vec3(0.0), specular = vec3(0.0);
+    float count = 0.0;
+    for (int i = 0; i < 9; ++i) {
+        const ivec2 at = middle + ivec2(i % 3, i / 3) - 1;
+        if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, tiles))) continue;
+        const ChangeTile t = push.tiles_before.v[at.y * tiles.x + at.x];
+        diffuse += vec3(t.diffuse_now, t.diffuse_before, t.diffuse_variance);
+        specular += vec3(t.specular_now, t.specular_before, t.specular_variance);
+        count += t.count;
+    }
+    if (count < 16.0) return vec2(0.0);
+    return vec2(judge_change(diffuse.x, diffuse.y, diffuse.z), judge_change(specular.x, specular.y, specular.z));
+}
+
+float blend_hit(float before, float now) { return now <= 0.0 ? before : before <= 0.0 ? now : mix(before, now, 0.25); }
+
+// The specular history where the reflection was seen, for a mirror in the surface's plane that stands still; mixed in as far as what was
+// reflected there lay as far away. What is left of the surface's own history lasts for as long as the lobe is wider than the parallax.
+void find_reflection(ViewData view, vec2 film_px, vec2 before_px, Sought s, Guide here, float hit_now, inout Signal specular) {
+    const float hit = here.roughness < 0.1 && hit_now > 0.0 ? hit_now : blend_hit(specular.hit, hit_now);
+    if (push.frame.virtual_motion == 0u || hit <= 0.0) return;
+    const vec3 along = view.camera.orthographic != 0u ? view.camera.forward_ws : normalize(s.position_ws - view.camera.position_ws);
+    const vec2 size = vec2(view.width, view.height);
+    const FilmPoint seen = project_point(view.camera_before, s.position_ws + hit * along, size);
+    if (!seen.in_front) return;
+    const vec2 there = seen.film_px - push.frame.jitter;
+    const float parallax = distance(there, before_px);
+    if (parallax < 0.05) return;
+    const float lobe = lobe_tangent(here.roughness) * hit / ((here.depth + hit) * max(pixel_size(view, here.depth) / here.depth, 1e-9));
+    specular.frames = min(specular.frames, (lobe + 0.25) / parallax);
+    const Taps taps = find_taps(view, there, s);
+    if (taps.weights.x + taps.weights.y + taps.weights.z + taps.weights.w <= 0.0) return;
+    Signal ignored, reflected;
+    read_history(view, taps, ignored, reflected);
+    const float agrees = reflected.hit <= 0.0 ? 0.0 : 1.0 - smoothstep(0.05, 0.2, abs(reflected.hit - hit) / (here.depth + hit));
+    specular = Signal(mix(specular.light, reflected.light, agrees), mix(specular.deviation, reflected.deviation, agrees), mix(specular.fast, reflected.fast, agrees),
+                      mix(specular.hit, reflected.hit, agrees), mix(specular.frames, reflected.frames, agrees));
+}
+
+// The history with one more frame, whose light it is as far as it has changed.
+Signal advance(Signal before, vec3 light, float hit, float changed) {
+    const float frames = min(before.frames * (1.0 - changed) + 1.0, float(push.frame.history)), share = 1.0 / frames;
+    const float l = luminance(light), off = l - luminance(before.light);
+    Signal now;
+    now.light = mix(before.light, light, share);
+    now.deviation = sqrt((1.0 - share) * (before.deviation * before.deviation + share * off * off));
+    now.fast = mix(before.fast, l, max(share, 1.0 / float(push.frame.fast_history)));
+    now.hit = blend_hit(before.hit, hit);
+    now.frames = frames;
+    return now;
+}
+
+// For the next frame's test of change. Only what has a history says something.
+void tell(uint thread, Signal diffuse, Signal specular, float diffuse_now, float specular_now) {
+    const bool d = diffuse.frames >= 3.0, s = specular.frames >= 3.0;
+    told[0][thread] = d ? diffuse_now : 0.0;
+    told[1][thread] = d ? luminance(diffuse.light) : 0.0;
+    told[2][thread] = d ? diffuse.deviation * diffuse.deviation * (1.0 + 1.0 / diffuse.frames) : 0.0;
+    told[3][thread] = s ? specular_now : 0.0;
+    told[4][thread] = s ? luminance(specular.light) : 0.0;
+    told[5][thread] = s ? specular.deviation * specular.deviation * (1.0 + 1.0 / specular.frames) : 0.0;
+    told[6][thread] = d || s ? 1.0 : 0.0;
+}
+void sum_tile(uint thread) {
+    for (uint half_of = kPixels / 2u; half_of != 0u; half_of /= 2u) {
+        barrier();
+        if (thread < half_of)
+            for (uint k = 0u; k < 7u; ++k) told[k][thread] += told[k][thread + half_of];
+    }
+    if (thread == 0u) push.tiles.v[gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x] = ChangeTile(told[0][0], told[1][0], told[2][0], told[3][0], told[4][0], told[5][0], told[6][0], 0.0);
+}
+
+void keep(uint pixel, uint plane, uvec2 id, Signal diffuse, Signal specular, uint surface) {
+    const uvec4 random = pcg4d(uvec4(id, push.frame.frame_index, 0x5245434Fu));
+    push.diffuse_now.v[pixel] = pack_half_light(dither_half(vec4(diffuse.light, diffuse.deviation), random));
+    push.specular_now.v[pixel] = pack_half_light(dither_half(vec4(specular.light, specular.deviation), random >> 16));
+    push.state.v[kStateFast * plane + pixel] = packHalf2x16(min(vec2(diffuse.fast, specular.fast), vec2(kMostHalf)));
+    push.state.v[kStateHits * plane + pixel] = packHalf2x16(min(vec2(diffuse.hit, specular.hit), vec2(kMostHalf)));
+    const uvec2 frames = uvec2(round(vec2(diffuse.frames, specular.frames) * 4.0));
+    push.state.v[kStateFrames * plane + pixel] = frames.x | frames.y << 8 | surface << 16;
+}
+
+void main() {
+    const ViewData view = push.view.data;
+    const uvec2 id = gl_GlobalInvocationID.xy, local = gl_LocalInvocationID.xy;
+    const uint thread = gl_LocalInvocationIndex, plane = view.width * view.height, pixel = id.y * view.width + id.x;
+    for (uint i = thread; i < kSide * kSide; i += kPixels) load_light(view, i);
+    barrier();
+    for (uint i = thread; i < kInner * kInner; i += kPixels) find_gifts(i, push.frame.firefly);
+    barrier();
+    Signal diffuse = kNoSignal, specular = kNoSignal;
+    vec3 diffuse_now = vec3(0.0), specular_now = vec3(0.0);
+    const uint surface = lit_id[(local.y + kRing) * kSide + local.x + kRing];
+    if (surface != 0u) {
+        share_out(local, diffuse_now, specular_now);
+        const uvec2 packed_guide = pack_guide(imageLoad(depth, ivec2(id)).x, view.camera.orthographic != 0u, imageLoad(summary, ivec2(id)));
+        const Guide here = unpack_guide(packed_guide);
+        const uint normal = imageLoad(identity, ivec2(id)).w;
+        const vec2 film_px = vec2(id) + 0.5, before_px = film_px + imageLoad(motion, ivec2(id)).xy, size = vec2(view.width, view.height);
+        const vec2 hits = unpackHalf2x16(push.distances.v[pixel]);
+        vec2 changed = vec2(0.0);
+        if (push.frame.has_history != 0u && !any(isinf(before_px))) {
+            Sought s = Sought(place(view.camera, film_px + push.frame.jitter, size, here.depth), unpack_direction(normal), here.normal, 0.8, 0.005 * here.depth, surface);
+            // What moves by itself was elsewhere in space, as far off as its pixel tells; along the view, that it does not.
+            const FilmPoint still = project_point(view.camera_before, s.position_ws, size);
+            if (!still.in_front || distance(still.film_px - push.frame.jitter, before_px) > 0.05) {
+                s.position_ws = place(view.camera_before, before_px + push.frame.jitter, size, here.depth);
+                s.slack = 0.04 * here.depth;
+            }
+            read_history(view, find_taps(view, before_px, s), diffuse, specular);
+            find_reflection(view, film_px, before_px, s, here, hits.y, specular);
+            changed = find_change(view, before_px);
+        }
+        push.guide.v[pixel] = packed_guide;
+        push.normals.v[pixel] = normal;
+        keep(pixel, plane, id, advance(diffuse, diffuse_now, hits.x, changed.x), advance(specular, specular_now, hits.y, changed.y), surface);
+    } else if (id.x < view.width && id.y < view.height) {
+        push.guide.v[pixel] = uvec2(0x7F800000u, 0u);
+        keep(pixel, plane, id, kNoSignal, kNoSignal, 0u);
+    }
+    tell(thread, diffuse, specular, luminance(diffuse_now), luminance(specular_now));
+    sum_tile(thread);
+}

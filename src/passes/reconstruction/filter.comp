@@ -1,0 +1,107 @@
+#version 460
+// One step of the spatial filter: neighbours `stride` pixels away, weighed by how near they lie to the surface's plane, how alike they face, how
+// little their luminance differs for its deviation, and whether the light that paths met comes from far enough for so wide a step. After the
+// a-trous filter of Dammertz et al. 2010, the edge-stopping of SVGF (Schied et al. 2017, 4.4), the radii of ReBLUR (Zhdan 2021).
+// COMPOSITE: the last step, which also puts the picture together: light times the surface's colours, and emission.
+// Reads: view, guide, normals, state, light (in), with COMPOSITE summary, emission. Writes: light (out), with COMPOSITE colors instead.
+// variants: COMPOSITE
+#extension GL_GOOGLE_include_directive : require
+#include "lib/color.glsl"
+#include "reconstruction/half_light.glsl"
+#include "reconstruction/surfaces.glsl"
+#ifdef COMPOSITE
+#include "lib/packed_light.glsl"
+#include "realtime/demodulate.glsl"
+layout(set = 1, binding = 0, rgba32ui) uniform readonly uimage2D summary;
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Noisy { PackedLight v[]; };
+#endif
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ViewBlock { ViewData data; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Words { uint v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Pairs { uvec2 v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) writeonly buffer NewPairs { uvec2 v[]; };
+layout(push_constant, scalar) uniform Push {
+    ViewBlock view;
+    Pairs guide;
+    Words normals, state;
+    Pairs diffuse_in, specular_in;
+#ifdef COMPOSITE
+    Noisy emission;
+    NewPairs colors;
+#else
+    NewPairs diffuse_out, specular_out;
+#endif
+    vec2 jitter;
+    uint stride;   // pixels; 0: nothing is filtered
+    float sigmas;  // deviations that neighbours' luminances may differ by
+} push;
+
+// Light and variance as they are summed up.
+struct Sum {
+    vec4 light;
+    float weight;
+};
+void add(inout Sum sum, vec4 light, float weight) {
+    sum.light += vec4(weight * light.rgb, weight * weight * light.a * light.a);
+    sum.weight += weight;
+}
+vec4 mean(Sum sum) { return vec4(sum.light.rgb / sum.weight, sqrt(sum.light.a) / sum.weight); }
+
+float alike(vec4 a, vec4 b) { return exp(-abs(luminance(a.rgb) - luminance(b.rgb)) / (push.sigmas * a.a + 1e-6)); }
+
+// Pixels around the surface that the two signals may be mixed over: what light from a metre off does to a metre's surface; what is seen
+// within a lobe's angle, from here and by reflection.
+vec2 reach_px(Guide here, vec2 hits, float pixel_ws) {
+    const float kFar = 1e9;
+    const float lobe = lobe_tangent(here.roughness);
+    return vec2(hits.x > 0.0 ? hits.x : kFar, lobe * (hits.y > 0.0 ? here.depth * hits.y / (here.depth + hits.y) : here.depth)) / pixel_ws;
+}
+
+void filter_around(ViewData view, ivec2 middle, uint pixel, Guide here, inout vec4 diffuse, inout vec4 specular) {
+    const vec2 size = vec2(view.width, view.height);
+    const vec3 position = place(view.camera, vec2(middle) + 0.5 + push.jitter, size, here.depth), normal = unpack_direction(push.normals.v[pixel]);
+    const vec2 reach = reach_px(here, unpackHalf2x16(push.state.v[kStateHits * view.width * view.height + pixel]), pixel_size(view, here.depth));
+    const vec2 wide = clamp(vec2(reach.x, max(reach.y, 1.5)) / float(push.stride), vec2(0.0), vec2(1.0));
+    if (all(lessThan(wide, vec2(0.05)))) return;
+    const float lobe = lobe_tangent(here.roughness), facing = 1.0 / (lobe * lobe + 2e-4);
+    Sum d = Sum(vec4(diffuse.rgb, diffuse.a * diffuse.a), 1.0), s = Sum(vec4(specular.rgb, specular.a * specular.a), 1.0);
+    for (int i = 0; i < 9; ++i) {
+        const ivec2 step = ivec2(i % 3, i / 3) - 1, at = middle + step * int(push.stride);
+        if (i == 4 || any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(view.width, view.height)))) continue;
+        const uint other = uint(at.y) * view.width + uint(at.x);
+        const Guide there = unpack_guide(push.guide.v[other]);
+        if (isinf(there.depth)) continue;
+        const vec3 p = place(view.camera, vec2(at) + 0.5 + push.jitter, size, there.depth);
+        const float kernel = (step.x == 0 ? 1.0 : 0.5) * (step.y == 0 ? 1.0 : 0.5);
+        const float plane = max(0.0, 1.0 - abs(dot(p - position, normal)) / (0.01 * here.depth)), cosine = max(dot(here.normal, there.normal), 0.0);
+        if (plane <= 0.0) continue;
+        const vec4 other_diffuse = unpack_half_light(push.diffuse_in.v[other]), other_specular = unpack_half_light(push.specular_in.v[other]);
+        add(d, other_diffuse, kernel * wide.x * plane * pow(cosine, 32.0) * alike(diffuse, other_diffuse));
+        const float glossy = exp(-2.0 * (1.0 - cosine) * facing) * max(0.0, 1.0 - 8.0 * abs(here.roughness - there.roughness));
+        add(s, other_specular, kernel * wide.y * plane * glossy * alike(specular, other_specular));
+    }
+    diffuse = mean(d);
+    specular = mean(s);
+}
+
+void main() {
+    const ViewData view = push.view.data;
+    const uvec2 id = gl_GlobalInvocationID.xy;
+    if (id.x >= view.width || id.y >= view.height) return;
+    const uint pixel = id.y * view.width + id.x;
+    const Guide here = unpack_guide(push.guide.v[pixel]);
+    vec4 diffuse = vec4(0.0), specular = vec4(0.0);
+    if (!isinf(here.depth)) {
+        diffuse = unpack_half_light(push.diffuse_in.v[pixel]);
+        specular = unpack_half_light(push.specular_in.v[pixel]);
+        if (push.stride != 0u) filter_around(view, ivec2(id), pixel, here, diffuse, specular);
+    }
+#ifdef COMPOSITE
+    const Demodulation by = demodulation(imageLoad(summary, ivec2(id)));
+    push.colors.v[pixel] = pack_half_light(vec4(diffuse.rgb * by.diffuse + specular.rgb * by.specular + unpack_light(push.emission.v[pixel]), 1.0));
+#else
+    push.diffuse_out.v[pixel] = pack_half_light(diffuse);
+    push.specular_out.v[pixel] = pack_half_light(specular);
+#endif
+}

@@ -1,0 +1,93 @@
+// The last frame's signals where a surface of this frame was. Reprojection with the taps' own weights after Schied et al. 2017,
+// "Spatiotemporal Variance-Guided Filtering" (4.1); the test by the distance from the surface's plane after Zhdan 2021, "ReBLUR: A
+// Hierarchical Recurrent Denoiser" (Ray Tracing Gems II, 49). Needs `push` of accumulate.comp.
+#ifndef PARHELION_RECONSTRUCTION_HISTORY_GLSL
+#define PARHELION_RECONSTRUCTION_HISTORY_GLSL
+#include "reconstruction/half_light.glsl"
+#include "reconstruction/surfaces.glsl"
+
+// A signal of a pixel over time.
+struct Signal {
+    vec3 light;
+    float deviation;  // of the luminance of a single frame
+    float fast;       // luminance over the last few frames
+    float hit;        // metres to what its paths met; 0: not known
+    float frames;     // that `light` is worth; 0: there is none
+};
+const Signal kNoSignal = Signal(vec3(0.0), 0.0, 0.0, 0.0, 0.0);
+
+// What a pixel of the last frame must show.
+struct Sought {
+    vec3 position_ws, normal_geometric_ws, normal_ws;
+    float least_cosine;  // between shading normals
+    float slack;         // metres off the plane
+    uint id;
+};
+
+bool shows(ViewData view, ivec2 at, Sought s) {
+    if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(view.width, view.height)))) return false;
+    const uint pixel = uint(at.y) * view.width + uint(at.x);
+    if (push.state_before.v[kStateFrames * view.width * view.height + pixel] >> 16 != s.id) return false;
+    const Guide there = unpack_guide(push.guide_before.v[pixel]);
+    if (dot(there.normal, s.normal_ws) < s.least_cosine) return false;
+    const vec3 p = place(view.camera_before, vec2(at) + 0.5 + push.frame.jitter_before, vec2(view.width, view.height), there.depth);
+    return abs(dot(p - s.position_ws, s.normal_geometric_ws)) <= s.slack;
+}
+
+// Four pixels of the last frame and their weights, which add up to 1, or to 0 where none shows the surface.
+struct Taps {
+    ivec2 first;
+    vec4 weights;
+};
+Taps find_taps(ViewData view, vec2 film_px, Sought s) {
+    Taps taps;
+    taps.first = ivec2(floor(film_px - 0.5));
+    const vec2 f = film_px - 0.5 - vec2(taps.first);
+    taps.weights = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
+    for (int i = 0; i < 4; ++i)
+        if (taps.weights[i] > 0.0 && !shows(view, taps.first + ivec2(i & 1, i >> 1), s)) taps.weights[i] = 0.0;
+    const float sum = taps.weights.x + taps.weights.y + taps.weights.z + taps.weights.w;
+    taps.weights = sum > 0.01 ? taps.weights / sum : vec4(0.0);
+    if (sum > 0.01) return taps;
+    // Pixels look beside their centres, elsewhere in every frame: an edge's other side may have been seen there, and this one next to it.
+    const ivec2 middle = ivec2(floor(film_px));
+    for (int i = 0; i < 8; ++i) {
+        const ivec2 side = ivec2[](ivec2(0, -1), ivec2(-1, 0), ivec2(1, 0), ivec2(0, 1), ivec2(-1, -1), ivec2(1, -1), ivec2(-1, 1), ivec2(1, 1))[i];
+        if (!shows(view, middle + side, s)) continue;
+        taps.first = middle + side;
+        taps.weights = vec4(1.0, 0.0, 0.0, 0.0);
+        break;
+    }
+    return taps;
+}
+
+void add_tap(inout Signal sum, float weight, uvec2 light, float fast, float hit, uint frames) {
+    const vec4 l = unpack_half_light(light);
+    sum.light += weight * l.rgb;
+    sum.deviation += weight * l.a;
+    sum.fast += weight * fast;
+    sum.hit += weight * hit;
+    sum.frames += weight * float(frames & 255u) * 0.25;
+}
+
+void rescale(inout Signal s) {
+    s.light *= push.frame.exposure_scale;
+    s.deviation *= push.frame.exposure_scale;
+    s.fast *= push.frame.exposure_scale;
+}
+
+void read_history(ViewData view, Taps taps, out Signal diffuse, out Signal specular) {
+    diffuse = specular = kNoSignal;
+    const uint plane = view.width * view.height;
+    for (int i = 0; i < 4; ++i) {
+        if (taps.weights[i] <= 0.0) continue;
+        const ivec2 at = taps.first + ivec2(i & 1, i >> 1);
+        const uint pixel = uint(at.y) * view.width + uint(at.x), frames = push.state_before.v[kStateFrames * plane + pixel];
+        const vec2 fast = unpackHalf2x16(push.state_before.v[kStateFast * plane + pixel]), hits = unpackHalf2x16(push.state_before.v[kStateHits * plane + pixel]);
+        add_tap(diffuse, taps.weights[i], push.diffuse_before.v[pixel], fast.x, hits.x, frames);
+        add_tap(specular, taps.weights[i], push.specular_before.v[pixel], fast.y, hits.y, frames >> 8);
+    }
+    rescale(diffuse);
+    rescale(specular);
+}
+#endif

@@ -1,0 +1,69 @@
+#pragma once
+// Reconstruction: one frame's few paths a pixel, and what earlier frames brought, into a clean picture. docs/reconstruction.md.
+#include "passes/realtime/realtime.h"
+#include "shared/reconstruction.h"
+
+namespace parhelion::passes {
+
+// What reconstruction gets of a frame, whatever body it has. Pixels count along rows from the top left; film positions are pixels, x to the
+// right, y down, centres at .5. World space is right-handed, +Y up, metres. Light is linear Rec.709 in nits times `exposure`.
+struct ReconstructionInput {
+    // The cameras of this frame and of the last (ViewData::camera, camera_before) and this frame's jitter: pixel (i, j) looks through film
+    // position (i + 0.5, j + 0.5) + jitter. Its film takes the picture.
+    const Film& film;
+    glm::vec2 jitter_px{0.0f};
+    // gbuffer.identity: which surface, and its geometric normal towards the camera. gbuffer.summary: base colour, roughness, reflectance and
+    // metallic, which demodulate (realtime/demodulate.glsl), and the shading normal. gbuffer.motion: where the surface was on the last frame's
+    // film, minus where it is, without jitter; +infinity: nowhere. gbuffer.depth: reversed. All have a value at every pixel in every
+    // frame, whatever lobe its path drew.
+    const GBuffer& gbuffer;
+    // Noisy light, divided by the surface's colours, and what is seen straight. Passes use `diffuse` and `specular` up: they hold what they
+    // like afterwards.
+    const Signals& signals;
+    float exposure = 1.0f;
+    bool cut = false;  // nothing of the last frame is in this one
+};
+
+// Settings; ranges in session/render_settings.h.
+struct ReconstructionOptions {
+    uint32_t history = 32;       // frames that a history is worth at most
+    uint32_t fast_history = 6;
+    uint32_t steps = 5;          // of the spatial filter: it reaches 2^steps - 1 pixels
+    float sigmas = 2.0f;         // deviations that light of neighbours may differ by
+    float firefly = 2.0f;        // times the brightest neighbour's light; 0: fireflies stay
+    float antilag = 4.0f;        // standard errors; 0: histories never shorten
+    float clamp_width = 2.0f;    // deviations of the fast history; 0: no clamp
+    bool virtual_motion = true;
+    bool antialias = true;       // jitter and temporal anti-aliasing
+    uint32_t picture_history = 16;
+    float kernel = 0.4f;         // pixels: deviation of the reconstruction kernel
+    float deviations = 1.25f;    // of the colours around that the picture's history may lie off
+};
+
+// What a frame leaves to the next: 40 bytes a rendered pixel, twice, and 4; 8 bytes a pixel of the picture, twice.
+struct ReconstructionHistory {
+    gpu::Buffer diffuse, specular;  // half4[pixels]: light, and the deviation of a frame's luminance
+    gpu::Buffer state;              // uint[kStatePlanes][pixels]
+    gpu::Buffer guide;              // uvec2[pixels] (reconstruction/surfaces.glsl)
+    gpu::Buffer tiles;              // ChangeTile[]
+    gpu::Image picture;             // RGBA16F: pre-exposed, and the frames that it is worth
+};
+ReconstructionHistory make_reconstruction_history(const gpu::DevicePtr& device, gpu::Extent rendered, gpu::Extent picture);
+
+struct ReconstructionPass {
+    Frame& frame;
+    const ReconstructionInput& input;
+    const ReconstructionHistory& before;
+    const ReconstructionHistory& now;
+    const gpu::Buffer& normals;  // uint[pixels]: geometric
+    const ReconstructionOptions& options;
+    shared::ReconstructionFrame settings;
+};
+void accumulate_light(const ReconstructionPass& pass);
+void settle_history(const ReconstructionPass& pass);   // its result is in input.signals' diffuse and specular
+// Step `index` of options.steps, the result being in before's light and in input.signals' by turns; the last step (with none, the only one)
+// leaves the picture's colours. Returns where: half4[pixels].
+const gpu::Buffer& filter_light(const ReconstructionPass& pass, uint32_t index);
+void antialias(const ReconstructionPass& pass, const gpu::Buffer& colors, const gpu::Sampler& sampler);
+
+}  // namespace parhelion::passes
