@@ -49,11 +49,10 @@ void load_light(ViewData view, uint i) {
     const ivec2 at = ivec2(gl_WorkGroupID.xy * kChangeTile) + ivec2(i % kSide, i / kSide) - int(kRing);
     const bool inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(view.width, view.height)));
     lit_id[i] = inside ? surface_id(imageLoad(identity, at)) : 0u;
-    lit_diffuse[i] = lit_specular[i] = vec3(0.0);
-    if (lit_id[i] == 0u) return;
-    const uint pixel = uint(at.y) * view.width + uint(at.x);
+    const uint pixel = inside ? uint(at.y) * view.width + uint(at.x) : 0u;
     lit_diffuse[i] = unpack_light(push.diffuse.v[pixel]);
     lit_specular[i] = unpack_light(push.specular.v[pixel]);
+    lit[i] = vec2(luminance(lit_diffuse[i]), luminance(lit_specular[i]));
 }
 
 // How sure it is that a signal's light has changed: its mean over the tiles around, against the history's mean there.

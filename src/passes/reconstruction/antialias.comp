@@ -30,15 +30,16 @@ layout(push_constant, scalar) uniform Push {
     uint has_history, frame_index;
 } push;
 
-// Colours as they are compared: bright ones closer together, and luminance apart from the rest.
+// Colours as they are compared: bright ones closer together, and luminance apart from the rest. Roots, since they still let a pixel that a
+// lamp's edge covers a ninth of be as bright as that.
 vec3 to_compared(vec3 c) {
-    c /= 1.0 + max_component(c);
+    c = sqrt(c);
     return vec3(0.25 * c.r + 0.5 * c.g + 0.25 * c.b, 0.5 * (c.r - c.b), -0.25 * c.r + 0.5 * c.g - 0.25 * c.b);
 }
 vec3 from_compared(vec3 y) {
     const float t = y.x - y.z;
-    const vec3 c = clamp(vec3(t + y.y, y.x + y.z, t - y.y), vec3(0.0), vec3(0.9999));
-    return c / (1.0 - max_component(c));
+    const vec3 c = max(vec3(t + y.y, y.x + y.z, t - y.y), vec3(0.0));
+    return c * c;
 }
 
 // What the frame shows around a point of the picture.
@@ -113,12 +114,14 @@ void main() {
         const Frame f = look(view, at_px, ratio);
         color = f.color;
         float frames = f.weight;
-        const vec2 before_px = vec2(id) + 0.5 + imageLoad(motion, f.nearest).xy * ratio;
+        const vec2 moved_px = imageLoad(motion, f.nearest).xy * ratio, before_px = vec2(id) + 0.5 + moved_px;
         const bool inside = all(greaterThan(before_px, vec2(0.0))) && all(lessThan(before_px, vec2(push.size)));
         if (push.has_history != 0u && inside) {
             const vec4 before = read_history(before_px, vec2(push.size));
             float kept;
-            const vec3 held = clip(to_compared(before.rgb * push.exposure_scale), f.mean, f.deviation * push.deviations, kept);
+            // What stands still may lie off three times as far: a lamp's edge that few frames see must stay in the mean of them.
+            const float room = push.deviations * mix(3.0, 1.0, min(2.0 * length(moved_px), 1.0));
+            const vec3 held = clip(to_compared(before.rgb * push.exposure_scale), f.mean, f.deviation * room, kept);
             const vec3 past = kept < 1.0 ? from_compared(held) : before.rgb * push.exposure_scale;
             frames = min(before.a * kept + f.weight, push.frames);
             color = mix(past, f.color, clamp(f.weight / frames, 0.0, 1.0));

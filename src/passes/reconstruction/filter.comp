@@ -48,8 +48,6 @@ void add(inout Sum sum, vec4 light, float weight) {
 }
 vec4 mean(Sum sum) { return vec4(sum.light.rgb / sum.weight, sqrt(sum.light.a) / sum.weight); }
 
-float alike(vec4 a, vec4 b) { return exp(-abs(luminance(a.rgb) - luminance(b.rgb)) / (push.sigmas * a.a + 1e-6)); }
-
 // Pixels around the surface that the two signals may be mixed over: what light from a metre off does to a metre's surface; what is seen
 // within a lobe's angle, from here and by reflection.
 vec2 reach_px(Guide here, vec2 hits, float pixel_ws) {
@@ -66,20 +64,22 @@ void filter_around(ViewData view, ivec2 middle, uint pixel, Guide here, inout ve
     if (all(lessThan(wide, vec2(0.05)))) return;
     const float lobe = lobe_tangent(here.roughness), facing = 1.0 / (lobe * lobe + 2e-4);
     Sum d = Sum(vec4(diffuse.rgb, diffuse.a * diffuse.a), 1.0), s = Sum(vec4(specular.rgb, specular.a * specular.a), 1.0);
-    for (int i = 0; i < 9; ++i) {
-        const ivec2 step = ivec2(i % 3, i / 3) - 1, at = middle + step * int(push.stride);
-        if (i == 4 || any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(view.width, view.height)))) continue;
+    const vec2 sharp = 1.0 / (push.sigmas * vec2(diffuse.a, specular.a) + 1e-6), own = vec2(luminance(diffuse.rgb), luminance(specular.rgb));
+    const float across = dot(position, normal), slack = 1.0 / (0.01 * here.depth);
+    // No branches: all loads are under way at once.
+    for (int i = 0; i < 8; ++i) {
+        const int k = i < 4 ? i : i + 1;
+        const ivec2 step = ivec2(k % 3, k / 3) - 1, to = middle + step * int(push.stride), at = clamp(to, ivec2(0), ivec2(view.width, view.height) - 1);
         const uint other = uint(at.y) * view.width + uint(at.x);
         const Guide there = unpack_guide(push.guide.v[other]);
-        if (isinf(there.depth)) continue;
-        const vec3 p = place(view.camera, vec2(at) + 0.5 + push.jitter, size, there.depth);
-        const float kernel = (step.x == 0 ? 1.0 : 0.5) * (step.y == 0 ? 1.0 : 0.5);
-        const float plane = max(0.0, 1.0 - abs(dot(p - position, normal)) / (0.01 * here.depth)), cosine = max(dot(here.normal, there.normal), 0.0);
-        if (plane <= 0.0) continue;
         const vec4 other_diffuse = unpack_half_light(push.diffuse_in.v[other]), other_specular = unpack_half_light(push.specular_in.v[other]);
-        add(d, other_diffuse, kernel * wide.x * plane * pow(cosine, 32.0) * alike(diffuse, other_diffuse));
-        const float glossy = exp(-2.0 * (1.0 - cosine) * facing) * max(0.0, 1.0 - 8.0 * abs(here.roughness - there.roughness));
-        add(s, other_specular, kernel * wide.y * plane * glossy * alike(specular, other_specular));
+        const float depth = min(there.depth, 1e30);
+        const vec3 p = place(view.camera, vec2(at) + 0.5 + push.jitter, size, depth);
+        const float plane = max(0.0, 1.0 - abs(dot(p, normal) - across) * slack), cosine = dot(here.normal, there.normal);
+        const float kernel = at == to ? plane * (step.x == 0 || step.y == 0 ? 0.5 : 0.25) : 0.0;
+        const vec2 off = abs(vec2(luminance(other_diffuse.rgb), luminance(other_specular.rgb)) - own) * sharp;
+        add(d, other_diffuse, kernel * wide.x * exp(-off.x - 32.0 * (1.0 - cosine)));
+        add(s, other_specular, kernel * wide.y * exp(-off.y - 2.0 * (1.0 - cosine) * facing) * max(0.0, 1.0 - 8.0 * abs(here.roughness - there.roughness)));
     }
     diffuse = mean(d);
     specular = mean(s);
