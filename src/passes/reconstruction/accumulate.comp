@@ -96,7 +96,7 @@ void find_reflection(ViewData view, vec2 film_px, vec2 before_px, Sought s, Guid
     const Taps taps = find_taps(view, there, s);
     if (taps.weights.x + taps.weights.y + taps.weights.z + taps.weights.w <= 0.0) return;
     Signal ignored, reflected;
-    read_history(view, taps, ignored, reflected);
+    read_history(view, taps, s.id, ignored, reflected);
     const float agrees = reflected.hit <= 0.0 ? 0.0 : 1.0 - smoothstep(0.05, 0.2, abs(reflected.hit - hit) / (here.depth + hit));
     specular = Signal(mix(specular.light, reflected.light, agrees), mix(specular.deviation, reflected.deviation, agrees), mix(specular.fast, reflected.fast, agrees),
                       mix(specular.hit, reflected.hit, agrees), mix(specular.frames, reflected.frames, agrees));
@@ -172,7 +172,7 @@ void main() {
                 s.position_ws = place(view.camera_before, before_px + push.frame.jitter, size, here.depth);
                 s.slack = 0.04 * here.depth;
             }
-            read_history(view, find_taps(view, before_px, s), diffuse, specular);
+            read_history(view, find_taps(view, before_px, s), surface, diffuse, specular);
             find_reflection(view, film_px, before_px, s, here, hits.y, specular);
             changed = find_change(view, before_px);
         }

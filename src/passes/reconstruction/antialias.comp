@@ -30,10 +30,9 @@ layout(push_constant, scalar) uniform Push {
     uint has_history, frame_index;
 } push;
 
-// Colours as they are compared: bright ones closer together, and luminance apart from the rest. Roots, since they still let a pixel that a
-// lamp's edge covers a ninth of be as bright as that.
+// Colours as they are compared: roots, as the history has them, luminance apart from the rest. Roots bring bright colours closer together, so
+// that resampling does not spread lamps, and still let a pixel that a lamp's edge covers a ninth of be as bright as that.
 vec3 to_compared(vec3 c) {
-    c = sqrt(c);
     return vec3(0.25 * c.r + 0.5 * c.g + 0.25 * c.b, 0.5 * (c.r - c.b), -0.25 * c.r + 0.5 * c.g - 0.25 * c.b);
 }
 vec3 from_compared(vec3 y) {
@@ -57,7 +56,7 @@ Frame look(ViewData view, vec2 at_px, vec2 ratio) {
         const ivec2 at = middle + ivec2(i % 3, i / 3) - 1;
         if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(view.width, view.height)))) continue;
         const uint pixel = uint(at.y) * view.width + uint(at.x);
-        const vec3 color = unpack_half_light(push.colors.v[pixel]).rgb, compared = to_compared(color);
+        const vec3 color = unpack_half_light(push.colors.v[pixel]).rgb, compared = to_compared(sqrt(color));
         const vec2 off = (vec2(at) + 0.5 + push.jitter - at_px) * ratio * push.sharpness;
         const float weight = exp(-0.5 * dot(off, off)), depth = uintBitsToFloat(push.guide.v[pixel].x);
         f.color += weight * color;
@@ -109,7 +108,7 @@ void main() {
     if (push.frames <= 0.0) {
         const ivec2 at = ivec2(at_px);
         color = unpack_half_light(push.colors.v[uint(at.y) * view.width + uint(at.x)]).rgb;
-        imageStore(picture, ivec2(id), vec4(color, 0.0));
+        imageStore(picture, ivec2(id), vec4(sqrt(color), 0.0));
     } else {
         const Frame f = look(view, at_px, ratio);
         color = f.color;
@@ -121,13 +120,14 @@ void main() {
             float kept;
             // What stands still may lie off three times as far: a lamp's edge that few frames see must stay in the mean of them.
             const float room = push.deviations * mix(3.0, 1.0, min(2.0 * length(moved_px), 1.0));
-            const vec3 held = clip(to_compared(before.rgb * push.exposure_scale), f.mean, f.deviation * room, kept);
-            const vec3 past = kept < 1.0 ? from_compared(held) : before.rgb * push.exposure_scale;
+            const vec3 root = before.rgb * sqrt(push.exposure_scale), held = clip(to_compared(root), f.mean, f.deviation * room, kept);
+            const vec3 past = kept < 1.0 ? from_compared(held) : root * root;
             frames = min(before.a * kept + f.weight, push.frames);
             color = mix(past, f.color, clamp(f.weight / frames, 0.0, 1.0));
         }
         const uvec4 random = pcg4d(uvec4(id, push.frame_index, 0x54414131u));
-        imageStore(picture, ivec2(id), vec4(dither_half(color.r, random.x), dither_half(color.g, random.y), dither_half(color.b, random.z), frames));
+        const vec3 root = sqrt(color);
+        imageStore(picture, ivec2(id), vec4(dither_half(root.r, random.x), dither_half(root.g, random.y), dither_half(root.b, random.z), frames));
     }
     film_add_beauty(push.block, view, pixel, color * push.nits);
 }
