@@ -29,6 +29,7 @@ struct RealtimeBenchRow {
     double ms(std::string_view prefix) const;
     double lighting_ms = 0;      // of the frame's time, less its surfaces and the film's upkeep: passes may run side by side
     double rays_per_pixel = 0;   // of the identity, of the paths and of their light
+    double cache_ms = 0;         // from the begin of the cache's first pass to the end of its last
     double cache_rays = 0;       // of the cache's update, a frame
     double live_cells = 0, updated_cells = 0;
     uint64_t cache_bytes = 0;

@@ -43,7 +43,7 @@ template <class V>
 void visit_cache(V&& v, CacheOptions& s) {
     v.field("cache.cells", s.cells, range(LightCache::kLeastCells, LightCache::kMostCells), "cells that the world cache has room for, 40 bytes each; made a power of two");
     v.field("cache.life", s.life, range(1, shared::kCacheMostLife), "frames that a cell lives on after the camera's paths asked for it");
-    v.field("cache.budget", s.budget, range(1, LightCache::kMostCells), "cells that a frame updates, at most a sixth of cache.cells");
+    v.field("cache.budget", s.budget, range(1, LightCache::kMostCells), "cells that a frame updates, at most a quarter of cache.cells");
     v.field("cache.samples", s.samples, range(1, shared::kCacheMostSamples), "samples that a cell's running mean is worth at most");
     v.field("cache.candidates", s.candidates, range(1, 64), "light samples that a cell's one shadow ray is chosen among");
     v.field("cache.cell_scale", s.cell_scale, range(0.01, 4), "size of a cell over the width of the path's cone there");

@@ -18,7 +18,7 @@ struct CacheFrame {
 void update_cache(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, LightCache& cache, const CacheFrame& now);
 
 // Its parts: what comes before the rays (the cells that are updated are chosen), and after them.
-void begin_cache(Frame& frame, gpu::TraceWay way, LightCache& cache, const CacheFrame& now);
+shared::CacheFrameData begin_cache(Frame& frame, gpu::TraceWay way, LightCache& cache, const CacheFrame& now);
 void blend_cache(Frame& frame, const LightCache& cache);
 
 }  // namespace parhelion::passes

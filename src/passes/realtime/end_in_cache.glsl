@@ -4,7 +4,7 @@
 #define PARHELION_REALTIME_END_IN_CACHE_GLSL
 #include "realtime/paths.glsl"
 #include "scene/cache.glsl"
-#include "scene/vertex.glsl"
+#include "scene/cache_share.glsl"
 
 // To a surface t metres on, and by the lobe of a density from there, which goes through the surface or not.
 void advance(inout Footprint f, float t) {
@@ -15,25 +15,6 @@ void spread(inout Footprint f, float pdf, bool through) {
     if (!through) f.reflections += 1u;
     f.broad = pdf > 0.0 && pdf <= 1.001 / kPi;
     if (pdf > 0.0) f.cone.spread += min(0.5 * inversesqrt(pdf * kPi), kWidestSpread);
-}
-
-// Glass sends on what lies behind it, which the irradiance before it does not tell: paths never have to end there.
-bool may_end(Shading shading) {
-#ifdef LAYERS
-    return !has_glass(shading.bsdf);
-#else
-    return true;
-#endif
-}
-
-vec3 reflected_share(Shading shading, BsdfSample drawn, bool everything) {
-#ifdef LAYERS
-    if (is_layered(shading.bsdf) || has_glass(shading.bsdf)) return everything ? total(drawn.weight) : drawn.weight.diffuse;
-#endif
-    const Glossy base = shading.bsdf.base;
-    const vec2 place = glossy_table(base, shading.wo.z, shading.bsdf.tables);
-    const vec3 diffuse = diffuse_albedo(base, place);
-    return everything ? diffuse + single_albedo(base.glossy, place) + again_albedo(base, place) : diffuse;
 }
 
 // What the cache sends along the path from here; `last`: it must end here, so that all lobes count as diffuse ones. False: it may not end,
