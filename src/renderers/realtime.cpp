@@ -11,7 +11,8 @@ namespace parhelion {
 namespace {
 
 constexpr uint32_t kTileRows = 8;           // bands are whole squares of 64 pixels
-constexpr uint32_t kPassings = 8;           // panes, and boundaries that are none, along a path in all
+constexpr uint32_t kPassings = 8, kPassingsWithoutCache = 32;  // panes, and boundaries that are none, along a path of most scatterings
+constexpr uint32_t kMostScatterings = 256;  // of paths without a bound: roulette lets less than one in 100,000 live so long
 
 bool shows_cache(const View& view) {
     return std::ranges::any_of(view.channels(), [](const std::string& channel) { return channel.starts_with("debug."); });
@@ -38,19 +39,20 @@ Realtime::Realtime(gpu::DevicePtr device, const View& view, const RealtimeOption
 
 // Vertices of the longest path, and so rounds of a band.
 uint32_t Realtime::path_length(const SceneGpu& scene, const View& view) const {
-    const uint32_t depth = view.desc().max_bounces;
-    if ((scene.features() & shared::kSceneLayers) != 0) return depth + 1 + kPassings;
+    const uint32_t depth = std::min(view.desc().max_bounces, kMostScatterings);
+    if ((scene.features() & shared::kSceneLayers) != 0) return depth + 1 + (options_.cache ? kPassings : kPassingsWithoutCache);
     return (options_.cache ? std::min(depth, options_.path_bounces) : depth) + 1;
 }
 
 void Realtime::trace_band(passes::LightPass pass, uint32_t path_length) {
     passes::sort_pixels(pass);
     for (; pass.round < path_length; ++pass.round) {
+        const bool last = pass.round + 1 == path_length;  // who still has a ray then ends without it, and it does not count
         passes::prepare_wavefront(pass.tracing(), shared::kSizeOfClasses | shared::kEmptyRays | shared::kEmptyShadows);
         passes::shade_paths(pass);
-        passes::prepare_wavefront(pass.tracing(), shared::kSizeOfRays | shared::kSizeOfShadows | shared::kCountShadows | shared::kEmptyClasses);
+        passes::prepare_wavefront(pass.tracing(), (last ? 0u : shared::kSizeOfRays) | shared::kSizeOfShadows | shared::kCountShadows | shared::kEmptyClasses);
         passes::connect_paths(pass);
-        if (pass.round + 1 == path_length) break;
+        if (last) break;
         passes::extend(pass.tracing());
         passes::sort_paths(pass);
     }

@@ -1,4 +1,6 @@
-// What the realtime renderer's machine may not change, its bands, and what it says of itself, the layers debug.*.
+// What the realtime renderer's machine may not change, its bands and the length of paths, and what it says of itself, the layers debug.*.
+#include "scene/builtin/scenes.h"
+#include "scene/shapes.h"
 #include "support/render_fixture.h"
 
 namespace parhelion::testing {
@@ -17,6 +19,24 @@ const float* plane_of(const image::ImageF& picture, const std::string& channel) 
         if (picture.channels[c] == channel) return picture.plane(c).data();
     ADD_FAILURE() << "no channel " << channel;
     return nullptr;
+}
+
+// A camera before panes with a glowing wall behind them.
+Scene panes_before_a_wall(uint32_t count) {
+    SceneEdit edit;
+    Material glass = builtin::glossy("glass", glm::vec3(1.0f), 0.0f, 0.0f);
+    glass.transmission = 1.0f;
+    const auto material = edit.add(std::move(glass));
+    for (uint32_t i = 0; i < count; ++i) {
+        Primitive sheet;
+        add_quad(sheet, {-9.0f, -9.0f, -1.0f - float(i)}, {18.0f, 0.0f, 0.0f}, {0.0f, 18.0f, 0.0f});
+        builtin::add_object(edit, "sheet", std::move(sheet), material);
+    }
+    Primitive wall;
+    add_quad(wall, {-90.0f, -90.0f, -40.0f}, {180.0f, 0.0f, 0.0f}, {0.0f, 180.0f, 0.0f});
+    builtin::add_object(edit, "wall", std::move(wall), edit.add(builtin::lambert("wall", glm::vec3(0.0f), glm::vec3(1.0f))));
+    builtin::add_camera(edit, "before", {0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -1.0f}, 0.4f);
+    return make_scene(std::move(edit));
 }
 
 TEST_F(RealtimeBands, pictures_do_not_depend_on_how_many_paths_are_traced_at_a_time) {
@@ -50,6 +70,39 @@ TEST_F(RealtimeBands, layers_tell_rays_lights_and_cells) {
     EXPECT_NEAR(traced, double(stage.rays.path + stage.rays.shadow), 1e-3 * traced);
     EXPECT_GT(asked, 0.5 * double(picture.pixel_count()));
     EXPECT_GT(known, 0.3 * double(picture.pixel_count()));
+}
+
+TEST_F(RealtimeBands, a_path_that_passes_too_many_panes_ends_and_its_next_ray_is_not_counted) {
+    Stage stage(panes_before_a_wall(38));
+    const Shot shot{.way = gpu::TraceWay::Compute, .view = {.width = 16, .height = 16, .max_bounces = 1, .filter = PixelFilter::Point, .aovs = {"debug.rays"}}, .sample_count = 2};
+    const image::ImageF picture = image::resolve_film(stage.play(shot, {.cache = false}));
+    const float* rays = plane_of(picture, "debug.rays");
+    double traced = 0.0, most = 0.0;
+    for (size_t p = 0; p < picture.pixel_count(); ++p) traced += 2.0 * rays[p], most = std::max(most, double(rays[p]));
+    EXPECT_EQ(most, 33.0) << "with the pixel's ray two vertices and 32 panes";
+    EXPECT_EQ(traced, double(stage.rays.path + stage.rays.shadow));
+}
+
+TEST_F(RealtimeBands, without_the_cache_a_path_passes_many_panes_to_and_fro) {
+    Stage stage(panes_before_a_wall(15));
+    const Shot shot{.way = gpu::TraceWay::Compute, .view = {.width = 16, .height = 16, .max_bounces = 1, .filter = PixelFilter::Point}, .sample_count = 4};
+    const image::ImageF expected = stage.picture(shot);
+    const RayCounts rays = stage.rays;
+    const image::ImageF found = image::resolve_film(stage.play(shot, {.tiles = false, .cache = false}));
+    EXPECT_EQ(stage.rays.path + 4 * 16 * 16, rays.path);
+    EXPECT_GT(mean_rgb(expected), 0.1);
+    EXPECT_NEAR(mean_rgb(found), mean_rgb(expected), 0x1p-12 * mean_rgb(expected));
+}
+
+TEST_F(RealtimeBands, paths_without_a_bound_are_those_of_the_reference) {
+    Stage& stage = builtin_stage("builtin:cornell");
+    const Shot shot{.way = gpu::TraceWay::Compute, .view = {.width = 12, .height = 12, .max_bounces = 0xFFFFFFFFu, .filter = PixelFilter::Point}, .sample_count = 1};
+    const image::ImageF expected = stage.picture(shot);
+    const RayCounts rays = stage.rays;
+    const image::ImageF found = image::resolve_film(stage.play(shot, {.tiles = false, .cache = false}));
+    EXPECT_EQ(stage.rays.path + 12 * 12, rays.path);
+    EXPECT_EQ(stage.rays.shadow, rays.shadow);
+    EXPECT_NEAR(mean_rgb(found), mean_rgb(expected), 0x1p-12 * mean_rgb(expected));
 }
 
 }  // namespace
