@@ -103,6 +103,7 @@ void Realtime::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, Vi
     trace_paths(frame, scene, way, view);
     passes::composite(frame, film, gbuffer_, signals_, options_.exposure);
     end_slice(frame, view, slice, ends_range);
+    view.end_frame();
     ++frame_index_;
 }
 
