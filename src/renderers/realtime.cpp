@@ -52,8 +52,10 @@ void Realtime::trace_band(passes::LightPass pass, uint32_t path_length) {
         passes::shade_paths(pass);
         passes::prepare_wavefront(pass.tracing(), (last ? 0u : shared::kSizeOfRays) | shared::kSizeOfShadows | shared::kCountShadows | shared::kEmptyClasses);
         passes::connect_paths(pass);
+        if (after_trace) after_trace(pass.tracing(), passes::WavefrontTraced::ShadowRays);
         if (last) break;
         passes::extend(pass.tracing());
+        if (after_trace) after_trace(pass.tracing(), passes::WavefrontTraced::Rays);
         passes::sort_paths(pass);
     }
     passes::gather_paths(pass);

@@ -1,11 +1,13 @@
 #pragma once
 // The realtime renderer: a frame's light in one pass of short paths, with nothing baked. Documents 000, 001 and 004.
+#include <functional>
 #include <optional>
 
 #include "passes/cache/cache.h"
 #include "passes/gbuffer/raster.h"
 #include "passes/lights/lights.h"
 #include "passes/realtime/realtime.h"
+#include "passes/wavefront/replay.h"
 #include "renderers/view.h"
 
 namespace parhelion {
@@ -42,8 +44,11 @@ public:
     const std::optional<LightCache>& cache() const { return cache_; }
     // Of the coming frames; what is stored is rescaled.
     void set_exposure(float exposure) { options_.exposure = exposure; }
+    // Called while a frame is recorded, after Extend and after Connect: to look at what they traced (session/bench_realtime.h).
+    std::function<void(const passes::WavefrontPass&, passes::WavefrontTraced)> after_trace;
 
 private:
+    bool draws_pixels(const View& view) const;
     uint32_t path_length(const SceneGpu& scene, const View& view) const;
     void trace_band(passes::LightPass pass, uint32_t path_length);
     void trace_paths(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const View& view);
