@@ -37,6 +37,11 @@ Realtime::Realtime(gpu::DevicePtr device, const View& view, const RealtimeOption
     band_rows_ = std::clamp(rows, std::min(kTileRows, view.film().height), view.film().height);
 }
 
+bool Realtime::draws_pixels(const View& view) const {
+    if (options_.gbuffer != GBufferMode::Auto) return options_.gbuffer == GBufferMode::Raster;
+    return options_.auto_draws && view.desc().camera.lens_radius == 0 && !view.desc().camera_at_close;
+}
+
 // Vertices of the longest path, and so rounds of a band.
 uint32_t Realtime::path_length(const SceneGpu& scene, const View& view) const {
     const uint32_t depth = std::min(view.desc().max_bounces, kMostScatterings);
@@ -92,7 +97,7 @@ void Realtime::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, Vi
     const auto sample = static_cast<uint32_t>(view.accumulation().samples++);
     const shared::Slice slice{.first_row = 0, .row_count = film.height, .first_sample = sample, .sample_count = 1};
     begin_slice(frame, scene, way, view, slice);
-    if (options_.gbuffer == GBufferMode::Raster) passes::raster_identity(frame, scene, film, gbuffer_.identity, raster_, frame_index_);
+    if (draws_pixels(view)) passes::raster_identity(frame, scene, film, gbuffer_.identity, raster_, frame_index_);
     else passes::trace_identity(frame, scene, way, film, gbuffer_, frame_index_);
     passes::summarise_surfaces(frame, scene, film, gbuffer_, frame_index_, options_.exposure);
     if (options_.tiles) passes::draw_light_tiles(frame, scene, tiles_, frame_index_, view.desc().seed, {film.width, film.height});

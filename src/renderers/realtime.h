@@ -14,12 +14,12 @@ namespace parhelion {
 
 enum class RealtimeReuse : uint32_t { Full, None, Unbiased };
 
-// What finds the triangles under the pixels. Auto traces: the faster one
-// on a data-centre GPU; on the CPU device raster takes 0.2 to 0.6 of its time.
+// What finds the triangles under the pixels.
 enum class GBufferMode : uint32_t { Auto, Raster, Trace };
 
 struct RealtimeOptions {
     GBufferMode gbuffer = GBufferMode::Auto;  // Raster needs SceneGpuOptions::raster, and a camera without a lens
+    bool auto_draws = false;  // Auto is Raster while the camera has neither lens nor shutter, else Trace; false: Trace always
     uint32_t candidates = 8;  // light samples that the first surface's one is chosen from
     bool tiles = true;        // they come from light tiles; false: the light is sampled as by the reference
     bool cache = true;           // paths end in the world cache; false: they go to the view's depth

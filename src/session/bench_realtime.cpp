@@ -111,6 +111,8 @@ RealtimeBenchOptions read_realtime_bench_options(const OptionValues& values, con
     const std::vector<gpu::TraceWay> ways = bench_ways(values, caps);
     options.way = std::ranges::find(ways, gpu::TraceWay::Compute) != ways.end() ? gpu::TraceWay::Compute : ways.front();
     for (const std::string& assignment : values.texts("--set")) apply_assignment(options.settings, assignment);
+    if (caps.type == gpu::DeviceType::Cpu && may_draw_pixels(options.settings, caps))
+        throw Error(ErrorCode::Usage, "the CPU device has no times of passes in a frame that draws", "gbuffer.mode=raster", "leave it out");
     return options;
 }
 
@@ -122,12 +124,12 @@ RealtimeBenchRow run_realtime_bench(const std::string& scene, const RealtimeBenc
     const CameraView camera = choose_camera(loaded.scene, as_if, description);
     const float aspect = static_cast<float>(options.size.width) / static_cast<float>(options.size.height);
     Frame frame(device, {.markers = false});  // which would keep passes apart
-    SceneGpu on_device(device, describe_scene_gpu(options.settings, {.way = options.way, .layout = options.settings.node_layout}));
+    SceneGpu on_device(device, describe_scene_gpu(options.settings, {.way = options.way, .layout = options.settings.node_layout}, may_draw_pixels(options.settings, device->caps())));
     on_device.sync(loaded.scene);
     on_device.finish(frame);
     const ViewDesc desc = describe_view(as_if, options.settings, {.opens = camera});
     View view(device, desc);
-    RealtimeOptions realtime_settings = realtime_options(options.settings);
+    RealtimeOptions realtime_settings = realtime_options(options.settings, device->caps());
     realtime_settings.exposure = static_cast<float>(image::exposure_scale_from_ev100(meter_scene(device, frame, on_device, options.way, desc)));
     Realtime realtime(device, view, realtime_settings);
 

@@ -1,7 +1,9 @@
 // What the realtime renderer's machine may not change, its bands and the length of paths, and what it says of itself, the layers debug.*.
+#include <cmath>
+
 #include "scene/builtin/scenes.h"
 #include "scene/shapes.h"
-#include "support/render_fixture.h"
+#include "support/realtime_player.h"
 
 namespace parhelion::testing {
 namespace {
@@ -70,6 +72,31 @@ TEST_F(RealtimeBands, layers_tell_rays_lights_and_cells) {
     EXPECT_NEAR(traced, double(stage.rays.path + stage.rays.shadow), 1e-3 * traced);
     EXPECT_GT(asked, 0.5 * double(picture.pixel_count()));
     EXPECT_GT(known, 0.3 * double(picture.pixel_count()));
+}
+
+bool has_pass(const Frame& frame, std::string_view name) {
+    return std::ranges::any_of(frame.passes(), [&](const PassInfo& pass) { return pass.name == name; });
+}
+
+TEST_F(RealtimeBands, pixels_are_drawn_where_that_is_faster_but_for_a_lens_and_a_shutter) {
+    if (!device()->caps().raster) GTEST_SKIP() << "the device cannot draw";
+    Stage stage(make_builtin("builtin:cornell").scene, {.hardware = false, .raster = true});
+    const CameraView pinhole = view_of((*stage.scene.cameras().begin()).value, 1.0f);
+    CameraView lens = pinhole, beside = pinhole;
+    lens.lens_radius = 0.05f;
+    lens.focus_distance = 3.0f;
+    beside.position += 0.05f * pinhole.right;
+    const auto draws = [&](bool draws_faster, const CameraView& camera, const std::optional<CameraView>& at_close) {
+        const Shot shot{.view = {.width = 16, .height = 16, .filter = PixelFilter::Point}, .camera = camera, .camera_at_close = at_close};
+        Player player(stage, shot, {.auto_draws = draws_faster, .cache = false});
+        player.skip(1);
+        EXPECT_NE(has_pass(stage.frame, "gbuffer/identity"), has_pass(stage.frame, "gbuffer/visible"));
+        return has_pass(stage.frame, "gbuffer/visible");
+    };
+    EXPECT_TRUE(draws(true, pinhole, {}));
+    EXPECT_FALSE(draws(false, pinhole, {}));
+    EXPECT_FALSE(draws(true, lens, {}));
+    EXPECT_FALSE(draws(true, pinhole, beside));
 }
 
 TEST_F(RealtimeBands, a_path_that_passes_too_many_panes_ends_and_its_next_ray_is_not_counted) {

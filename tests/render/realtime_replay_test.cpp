@@ -75,5 +75,15 @@ TEST_F(RealtimeReplay, the_bench_says_what_share_of_a_frame_traces_and_what_its_
     EXPECT_DOUBLE_EQ(json["rows"][0]["over_bare"].get<double>(), row.over_bare());
 }
 
+TEST_F(RealtimeReplay, the_bench_does_not_draw_on_a_device_that_has_no_times_of_that) {
+    const std::vector<std::string> words{"realtime", "--set", "gbuffer.mode=raster"};
+    const OptionValues values = parse_options(Command::Bench, words, [](const char*) { return static_cast<const char*>(nullptr); });
+    gpu::DeviceCaps caps;
+    caps.type = gpu::DeviceType::Discrete;
+    EXPECT_EQ(read_realtime_bench_options(values, caps).settings.gbuffer_mode, GBufferMode::Raster);
+    caps.type = gpu::DeviceType::Cpu;
+    EXPECT_THROW(read_realtime_bench_options(values, caps), Error);
+}
+
 }  // namespace
 }  // namespace parhelion::testing
