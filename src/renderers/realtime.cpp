@@ -14,8 +14,11 @@ constexpr uint32_t kTileRows = 8;           // bands are whole squares of 64 pix
 constexpr uint32_t kPassings = 8, kPassingsWithoutCache = 32;  // panes, and boundaries that are none, along a path of most scatterings
 constexpr uint32_t kMostScatterings = 256;  // of paths without a bound: roulette lets less than one in 100,000 live so long
 
+// Layers that show what the world cache knows at what pixels see.
 bool shows_cache(const View& view) {
-    return std::ranges::any_of(view.channels(), [](const std::string& channel) { return channel.starts_with("debug."); });
+    constexpr std::string_view kOfTheCache[] = {"debug.cells", "debug.irradiance", "debug.level", "debug.count", "debug.age", "debug.life"};
+    const auto is_of_it = [&](const std::string& channel) { return std::ranges::any_of(kOfTheCache, [&](std::string_view layer) { return channel.starts_with(layer); }); };
+    return std::ranges::any_of(view.channels(), is_of_it);
 }
 
 }  // namespace

@@ -78,6 +78,29 @@ bool has_pass(const Frame& frame, std::string_view name) {
     return std::ranges::any_of(frame.passes(), [&](const PassInfo& pass) { return pass.name == name; });
 }
 
+TEST_F(RealtimeBands, the_cache_is_shown_only_to_layers_of_it_and_frame_by_frame_at_the_levels_that_paths_ask) {
+    Stage& stage = builtin_stage("builtin:cornell");
+    const auto shot = [](const char* layer) { return Shot{.way = gpu::TraceWay::Compute, .view = {.width = 24, .height = 24, .filter = PixelFilter::Point, .aovs = {layer}}}; };
+    for (const char* layer : {"debug.rays", "debug.light", "path.emission"}) {
+        Player player(stage, shot(layer), {});
+        player.skip(1);
+        EXPECT_FALSE(has_pass(stage.frame, "realtime/debug")) << layer;
+    }
+    Player player(stage, shot("debug.level"), {});
+    player.skip(8);
+    EXPECT_TRUE(has_pass(stage.frame, "realtime/debug"));
+    std::vector<float> first;
+    size_t whole = 0, other = 0;
+    for (int frame = 0; frame < 8; ++frame) {
+        const image::ImageF picture = player.next();
+        const float* level = plane_of(picture, "debug.level");
+        if (first.empty()) first.assign(level, level + picture.pixel_count());
+        for (size_t p = 0; p < picture.pixel_count(); ++p) whole += level[p] == std::floor(level[p]), other += level[p] != first[p];
+    }
+    EXPECT_EQ(whole, 8u * 24 * 24) << "a frame shows one cell";
+    EXPECT_GT(other, 24u * 24 / 4) << "another frame another";
+}
+
 TEST_F(RealtimeBands, pixels_are_drawn_where_that_is_faster_but_for_a_lens_and_a_shutter) {
     if (!device()->caps().raster) GTEST_SKIP() << "the device cannot draw";
     Stage stage(make_builtin("builtin:cornell").scene, {.hardware = false, .raster = true});
