@@ -52,6 +52,24 @@ TEST_F(RealtimeBands, pictures_do_not_depend_on_how_many_paths_are_traced_at_a_t
     for (size_t c = 0; c < whole.channels.size(); ++c) EXPECT_TRUE(std::ranges::equal(whole.plane(c), in_bands.plane(c))) << whole.channels[c];
 }
 
+// What the G-buffer knows of the first surface, and of the sky: the reference's.
+TEST_F(RealtimeBands, layers_of_what_is_seen_first_are_those_of_the_reference) {
+    for (const char* name : {"builtin:cornell", "builtin:spheres"}) {
+        Stage& stage = builtin_stage(name);
+        const Shot shot{.way = gpu::TraceWay::Compute,
+                        .view = {.width = 24, .height = 24, .max_bounces = 1, .filter = PixelFilter::Point, .aovs = {"albedo", "normal", "emission", "roughness"}},
+                        .sample_count = 2};
+        const image::ImageF expected = stage.picture(shot), found = image::resolve_film(stage.play(shot, {.cache = false}));
+        for (const char* channel : {"albedo.R", "normal.X", "normal.Z", "emission.G", "roughness"}) {
+            const float *a = plane_of(expected, channel), *b = plane_of(found, channel);
+            double worst = 0.0, most = 0.0;
+            for (size_t p = 0; p < expected.pixel_count(); ++p) worst = std::max(worst, double(std::abs(a[p] - b[p]))), most = std::max(most, double(std::abs(a[p])));
+            EXPECT_GT(most, 0.0) << name << " " << channel;
+            EXPECT_LE(worst, 1e-5 * most) << name << " " << channel;
+        }
+    }
+}
+
 TEST_F(RealtimeBands, layers_tell_rays_lights_and_cells) {
     Stage& stage = builtin_stage("builtin:cornell");
     const Shot shot{.way = gpu::TraceWay::Compute, .view = {.width = 24, .height = 24, .filter = PixelFilter::Point, .aovs = {"debug.*"}}, .sample_count = 8};
