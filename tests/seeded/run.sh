@@ -51,9 +51,9 @@ link_program() {
 }
 
 # A program that cannot start without bugs says nothing of them.
-for program in $(grep -v '^#' "$root/tests/seeded/bugs.tsv" | cut -f5 | sort -u); do
+while read -r program; do
     "$build/tests/$program" --gtest_list_tests >"$work/start.log" 2>&1 || { echo "$build/tests/$program does not start: $(tail -n 1 "$work/start.log")"; exit 2; }
-done
+done < <(grep -v '^#' "$root/tests/seeded/bugs.tsv" | cut -f5 | sort -u)
 
 # What ended a program early: "signal 11", "exit status 3".
 cause_of() { if [ "$1" -gt 128 ]; then echo "signal $(($1 - 128))"; else echo "exit status $1"; fi; }

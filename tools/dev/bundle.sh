@@ -4,7 +4,8 @@
 # Every Linux has these, and a second copy of them in one process would break its Vulkan driver:
 # glibc, the compiler's run-time libraries (a driver may need newer ones than ours) and zlib. Who has a window for the viewer has X11.
 part_of_the_system='^(ld-linux.*|lib(c|m|dl|rt|pthread|resolv|stdc\+\+|gcc_s|z|atomic|X11|xcb|Xau|Xdmcp|bsd|md))\.so'
-bundle_limit_mib=25
+bundle_limit_mib=25  # without the viewer, which has everything compiled in once more:
+viewer_limit_mib=15
 
 # The packages whose code is compiled in: their licences are carried too.
 compiled_in='libglm-dev nlohmann-json3-dev libvulkan-dev libspdlog-dev libfmt-dev'
@@ -88,7 +89,7 @@ check_bundle() { # check_bundle FOLDER: nothing comes from this machine but the 
 }
 
 cmd_bundle() {
-    local with_tests=false version name folder program programs tests archive mib
+    local with_tests=false version name folder program programs tests archive mib viewer_mib=0
     case ${1:-} in '') ;; --with-tests) with_tests=true ;; *) usage_error "bundle: unknown argument '$1'" ;; esac
     [[ $# -le 1 ]] || usage_error "bundle: unknown argument '$2'"
     [[ $(uname -m) == x86_64 ]] || die "bundle: this machine is $(uname -m), bundles are for x86_64"
@@ -130,7 +131,9 @@ lib/ holds the libraries it uses, licenses/ their terms.
 TEXT
     check_bundle "$folder"
     mib=$((($(du -sk --apparent-size --exclude=tests "$folder" | cut -f1) + 1023) / 1024))
-    [[ $mib -le $bundle_limit_mib ]] || die "bundle: $mib MiB, more than the $bundle_limit_mib allowed"
+    [[ ! -f $folder/bin/parhelion-view ]] || viewer_mib=$((($(stat -c %s "$folder/bin/parhelion-view") + 1048575) / 1048576))
+    [[ $viewer_mib -le $viewer_limit_mib ]] || die "bundle: the viewer has $viewer_mib MiB, more than the $viewer_limit_mib allowed"
+    [[ $((mib - viewer_mib)) -le $bundle_limit_mib ]] || die "bundle: $((mib - viewer_mib)) MiB without the viewer, more than the $bundle_limit_mib allowed"
     archive=$folder.tar.gz
     # gzip, because every system unpacks it; sorted, without owners and dates, so that the same tree gives the same file.
     tar -C "$build_dir/bundle" --sort=name --owner=0 --group=0 --numeric-owner --mtime=@"${SOURCE_DATE_EPOCH:-0}" -cf - "$name" | gzip -9n >"$archive"
