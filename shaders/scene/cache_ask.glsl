@@ -198,7 +198,7 @@ CacheView cache_look(Cache cache, CachePoint at) {
     if (slot == kCacheNoSlot || newborn) return view;
     const CacheMoments moments = cache_unpack_moments(CacheWords(cache.v.moments).v[slot]);
     view.id = max(uint(place.key), 1u);
-    view.count = uint(cache_worth(moments.count));
+    view.count = moments.count < 2u ? moments.count : moments.count - 1u;
     view.age = moments.age;
     view.life = cache_claim_life(CacheWords64(cache.v.claims).v[slot]);
     view.irradiance = cache_unpack_irradiance(CacheWords64(cache.v.irradiance).v[slot]);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 #include "base/error.h"
@@ -168,6 +169,12 @@ void View::set_camera(const shared::Camera& camera, const std::optional<shared::
     place_camera();
     upload_ = true;
     if (!keep_film) clear_film();
+}
+
+void View::end_frame() {
+    if (std::memcmp(&data_.camera_before, &data_.camera, sizeof(data_.camera)) == 0) return;
+    data_.camera_before = data_.camera;
+    upload_ = true;
 }
 
 void View::prepare(Frame& frame) {

@@ -93,6 +93,8 @@ public:
     // The camera of the coming frames, and where it stands when its shutter closes (none: it is still); the one until now becomes the
     // previous one. Clears the film, unless it is to go on.
     void set_camera(const shared::Camera& camera, const std::optional<shared::Camera>& at_close = {}, bool keep_film = false);
+    // The frame is drawn: what comes is another one, in which the camera stands where it stood, unless it is set anew.
+    void end_frame();
     // Uploads what changed and clears the film where that was asked for; the first passes of a frame.
     void prepare(Frame& frame);
     void clear_film() { clear_ = true, accumulation_.samples = 0, first_hit_rows_ = 0; }

@@ -136,7 +136,7 @@ std::unique_ptr<ViewDrawer> make_view_drawer(const gpu::DevicePtr& device, const
     switch (options.kind) {
         case RendererKind::Reference: return std::make_unique<ReferenceDrawer>(options.size, options.max_samples);
         case RendererKind::Wavefront: return std::make_unique<WavefrontDrawer>(device, wavefront_options(settings), options.size, options.max_samples);
-        case RendererKind::Realtime: return std::make_unique<RealtimeDrawer>(device, realtime_options(settings), options.max_samples);
+        case RendererKind::Realtime: return std::make_unique<RealtimeDrawer>(device, realtime_options(settings, device->caps()), options.max_samples);
     }
     throw Error(ErrorCode::Failed, "there is no such renderer", "--renderer");
 }

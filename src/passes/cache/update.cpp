@@ -140,18 +140,39 @@ void blend_cache(Frame& frame, const LightCache& cache) {
         .over_indirect(cache.sizes(), size_at(shared::kCacheSizeUpdates));
 }
 
-// Passes beside each other have nothing to wait for: lights are chosen while first rays are traced, and shadow rays run beside second ones.
-void update_cache(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, LightCache& cache, const CacheFrame& now) {
-    const shared::CacheFrameData data = begin_cache(frame, way, cache, now);
-    const uint32_t rounds = (scene.features() & shared::kSceneLayers) != 0 ? shared::kCacheRoundsLayers : shared::kCacheRounds;
-    choose_lights(frame, scene, cache);
-    for (uint32_t round = 0; round < rounds; ++round) {
-        if (round != 0) plan(frame, way, cache, data, shared::kCacheRound + (round & 1u));
-        extend(frame, scene, way, cache, round);
-        if (round == 1) connect(frame, scene, way, cache, now.view);
-        meet(frame, scene, cache, now.view, round, rounds);
+CacheUpdate::CacheUpdate(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, LightCache& cache, const CacheFrame& now)
+    : frame_(frame),
+      scene_(scene),
+      way_(way),
+      cache_(cache),
+      view_(now.view),
+      data_(begin_cache(frame, way, cache, now)),
+      rounds_((scene.features() & shared::kSceneLayers) != 0 ? shared::kCacheRoundsLayers : shared::kCacheRounds) {}
+
+void CacheUpdate::trace_first() {
+    choose_lights(frame_, scene_, cache_);
+    extend(frame_, scene_, way_, cache_, 0);
+}
+
+void CacheUpdate::meet_first() { meet(0); }
+
+void CacheUpdate::finish() {
+    for (uint32_t round = 1; round < rounds_; ++round) {
+        plan(frame_, way_, cache_, data_, shared::kCacheRound + (round & 1u));
+        extend(frame_, scene_, way_, cache_, round);
+        if (round == 1) connect(frame_, scene_, way_, cache_, view_);
+        meet(round);
     }
-    blend_cache(frame, cache);
+    blend_cache(frame_, cache_);
+}
+
+void CacheUpdate::meet(uint32_t round) { passes::meet(frame_, scene_, cache_, view_, round, rounds_); }
+
+void update_cache(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, LightCache& cache, const CacheFrame& now) {
+    CacheUpdate update(frame, scene, way, cache, now);
+    update.trace_first();
+    update.meet_first();
+    update.finish();
 }
 
 }  // namespace parhelion::passes

@@ -2,6 +2,7 @@
 // diffusely is what the cache knows; only what its other lobes scatter goes on. After Solari 0.20, with the specular part kept.
 #ifndef PARHELION_REALTIME_END_IN_CACHE_GLSL
 #define PARHELION_REALTIME_END_IN_CACHE_GLSL
+#include "realtime/level_number.glsl"
 #include "realtime/paths.glsl"
 #include "scene/cache.glsl"
 #include "scene/cache_share.glsl"
@@ -22,10 +23,8 @@ void spread(inout Footprint f, float pdf, bool through) {
 bool end_in_cache(Cache cache, ViewData view, PathKey key, PathState path, Shading shading, VertexNumbers u, Footprint f, bool last, inout vec3 light) {
     if (!last && !f.broad) return false;
     const Surface s = shading.s;
-    const uint kCacheSalt = 0x43414348u;
-    const float u_level = uint_to_unit_float(hash_combine(alpha_key(key, path.path_class.bounce, kRayPath), kCacheSalt));
     // A cone that many lobes have widened is no measure of a small room: the last ray is.
-    const CachePoint at = cache_point(s, -path.ray.direction_ws, cache_footprint(cache, min(f.cone.width, 2.0 * s.t), view.pixel_width + view.pixel_spread * f.way), u_level);
+    const CachePoint at = cache_point(s, -path.ray.direction_ws, cache_footprint(cache, min(f.cone.width, 2.0 * s.t), view.pixel_width + view.pixel_spread * f.way), level_number(key, path.path_class.bounce));
     if (!last && path.travelled + s.t <= sqrt(3.0) * cache_cell_size(cache, at)) return false;
     vec3 irradiance;
     if (!cache_visit(cache, at, cache.v.life, irradiance)) return false;
