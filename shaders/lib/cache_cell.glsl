@@ -93,11 +93,14 @@ SHARED_FN vec3 cache_unpack_irradiance(uint64_t packed) {
 // exposure touches them.
 SHARED_CONST uint kCacheAgeShift = 8u;
 struct CacheMoments {
-    uint count;    // what the mean is worth: 1 with the first sample, half a sample more with each, up to a limit; 0: nothing is known
+    uint count;    // 0: nothing is known; 1: samples to which light was missing; then one more than what the mean is worth in samples,
+                   // of which each but the first adds a half, up to a limit
     uint age;      // frames since birth, up to kCacheOldest
     float spread;  // second moment over the mean's square, less 1: a sample's relative variance
     float change;  // running mean of (sample - mean) / mean
 };
+// What a mean is worth, in samples.
+SHARED_FN float cache_worth(uint count) { return count < 2u ? 0.25f * float(count) : float(count - 1u); }
 // Code of a number in [0, 2^8): steps of a 24th of an octave from 2^-12 on; u rounds it at random, so that small steps are not lost.
 SHARED_FN uint cache_log_code(float x, uint most, float steps, float u) {
     if (!(x > 2.4414e-4f)) return 0u;

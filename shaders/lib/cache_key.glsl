@@ -20,6 +20,8 @@ SHARED_CONST int kCacheAxisBits = 14;
 SHARED_CONST uint kCacheNormalSteps = 5u;  // of the octahedral square on either side of 0: 11 x 11 codes, axes in the middle of theirs
 SHARED_CONST uint kCacheKeyBits = 63u;
 SHARED_CONST uint64_t kCacheNoKey = 0xFFFFFFFFFFFFFFFFul;
+// Flips bits of the normal's code, so that what would be mixed to kCacheNoKey has a code that no normal has.
+SHARED_CONST uint64_t kCacheKeySalt = 0x0008800000000000ul;
 SHARED_CONST uint64_t kCacheNewborn = 0x8000000000000000ul;  // of a key: its cell came in this frame and is not read yet
 
 // A bijection of numbers of `bits` bits that mixes them: MurmurHash3's finaliser (Appleby 2011) kept within them. `shift` is at least
@@ -119,11 +121,11 @@ SHARED_FN uint64_t cache_key(ivec3 cell, uint level, uint normal_code, uint owne
     const uint mask = (1u << kCacheAxisBits) - 1u;
     uint64_t key = uint64_t(uint(cell.x) & mask) | (uint64_t(uint(cell.y) & mask) << 14) | (uint64_t(uint(cell.z) & mask) << 28);
     key |= (uint64_t(level) << 42) | (uint64_t(normal_code) << 47) | (uint64_t(pcg_hash(owner) & 0x1FFu) << 54);
-    return cache_mix(key, kCacheKeyBits, 32u);
+    return cache_mix(key ^ kCacheKeySalt, kCacheKeyBits, 32u);
 }
 
 // Of a key, with or without kCacheNewborn.
-SHARED_FN uint64_t cache_plain_key(uint64_t key) { return cache_unmix(key & ~kCacheNewborn, kCacheKeyBits, 32u); }
+SHARED_FN uint64_t cache_plain_key(uint64_t key) { return cache_unmix(key & ~kCacheNewborn, kCacheKeyBits, 32u) ^ kCacheKeySalt; }
 SHARED_FN uint cache_key_level(uint64_t key) { return uint(cache_plain_key(key) >> 42) & 31u; }
 SHARED_FN uint cache_key_normal(uint64_t key) { return uint(cache_plain_key(key) >> 47) & 127u; }
 SHARED_FN int cache_key_axis(uint64_t plain, uint axis) {

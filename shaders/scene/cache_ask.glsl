@@ -8,6 +8,7 @@
 #define PARHELION_SCENE_CACHE_ASK_GLSL
 #include "scene/cache_table.glsl"
 #extension GL_EXT_shader_atomic_int64 : require
+#extension GL_EXT_control_flow_attributes : require
 
 // A point that asks. Every member is a function of the path alone.
 struct CachePoint {
@@ -52,16 +53,21 @@ CachePlace cache_place(Cache cache, CachePoint at, uint level) {
     return place;
 }
 
-// The slot of a key. `newborn`: it came in this frame. The whole bucket is looked through: deleted cells leave holes anywhere.
+// The slot of a key. `newborn`: it came in this frame. The whole bucket is looked through: deleted cells leave holes anywhere. Eight at a
+// time, so that one wait for memory does for all of them.
 uint cache_find(Cache cache, CachePlace place, out bool newborn) {
     CacheWords64 keys = CacheWords64(cache.v.keys);
     newborn = false;
-    for (uint i = 0u; i < kCacheBucket; ++i) {
-        const uint slot = cache_probe(place.key, place.bucket, i);
-        const uint64_t there = keys.v[slot];
-        if ((there & ~kCacheNewborn) != place.key || there == kCacheNoKey) continue;
-        newborn = (there & kCacheNewborn) != 0ul;
-        return slot;
+    [[unroll]] for (uint first = 0u; first < kCacheBucket; first += 8u) {
+        uint64_t there[8];
+        uint found = kCacheNoSlot;
+        [[unroll]] for (uint i = 0u; i < 8u; ++i) there[i] = keys.v[cache_probe(place.key, place.bucket, first + i)];
+        [[unroll]] for (uint i = 0u; i < 8u; ++i)
+            if ((there[i] & ~kCacheNewborn) == place.key) {
+                found = cache_probe(place.key, place.bucket, first + i);
+                newborn = (there[i] & kCacheNewborn) != 0ul;
+            }
+        if (found != kCacheNoSlot) return found;
     }
     return kCacheNoSlot;
 }
@@ -117,10 +123,11 @@ void cache_claim_slot(Cache cache, uint slot, uint64_t point, uint life) {
 struct CacheAnswer {
     vec3 irradiance;
     float count;  // what it is worth, in samples
+    uint slot;    // of the cell at the point itself, or kCacheNoSlot
 };
 CacheAnswer cache_read(Cache cache, uint slot) {
     const CacheMoments moments = cache_unpack_moments(CacheWords(cache.v.moments).v[slot]);
-    return CacheAnswer(cache_unpack_irradiance(CacheWords64(cache.v.irradiance).v[slot]), float(moments.count));
+    return CacheAnswer(cache_unpack_irradiance(CacheWords64(cache.v.irradiance).v[slot]), cache_worth(moments.count), slot);
 }
 
 // Whether a point asks for a cell of a level above its own too: one in four that a pixel's path reached. Paths of the update go on where
@@ -135,7 +142,7 @@ bool cache_wants_parent(Cache cache, CachePoint at, uint life, uint above) {
 CacheAnswer cache_consult(Cache cache, CachePoint at, uint life) {
     const uint level = cache_point_level(cache, at);
     float missing = 1.0;
-    CacheAnswer sum = CacheAnswer(vec3(0.0), 0.0);
+    CacheAnswer sum = CacheAnswer(vec3(0.0), 0.0, kCacheNoSlot);
     for (uint above = 0u; above <= kCacheParents && level + above < kCacheLevels; ++above) {
         if (above != 0u && !cache_in_room(at, level + above)) break;
         const bool claims = life != 0u && cache_wants_parent(cache, at, life, above);
@@ -144,6 +151,7 @@ CacheAnswer cache_consult(Cache cache, CachePoint at, uint life) {
         bool newborn;
         uint slot = cache_find(cache, place, newborn);
         if (slot != kCacheNoSlot && !newborn && missing > 0.0) {
+            if (above == 0u) sum.slot = slot;
             const CacheAnswer answer = cache_read(cache, slot);
             const float share = missing * min(answer.count / float(kCacheYoung), 1.0);
             sum.irradiance += share * answer.irradiance;
@@ -190,7 +198,7 @@ CacheView cache_look(Cache cache, CachePoint at) {
     if (slot == kCacheNoSlot || newborn) return view;
     const CacheMoments moments = cache_unpack_moments(CacheWords(cache.v.moments).v[slot]);
     view.id = max(uint(place.key), 1u);
-    view.count = moments.count;
+    view.count = moments.count < 2u ? moments.count : moments.count - 1u;
     view.age = moments.age;
     view.life = cache_claim_life(CacheWords64(cache.v.claims).v[slot]);
     view.irradiance = cache_unpack_irradiance(CacheWords64(cache.v.irradiance).v[slot]);

@@ -3,10 +3,12 @@
 #define PARHELION_SCENE_CACHE_TABLE_GLSL
 #include "lib/cache_cell.glsl"
 
-layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Cache { CacheHeader v; };
+#ifndef CACHE_ACCESS
+#define CACHE_ACCESS  // `readonly` in passes that may run beside others of that kind
+#endif
+layout(buffer_reference, scalar, buffer_reference_align = 16) CACHE_ACCESS buffer Cache { CacheHeader v; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer CacheWords64 { uint64_t v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CacheWords { uint v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CacheSamples { vec3 v[]; };
 
 // Random words of a cell and frame.
 uvec4 cache_random(uint64_t key, uint frame_index, uint seed, uint purpose) {
@@ -14,12 +16,14 @@ uvec4 cache_random(uint64_t key, uint frame_index, uint seed, uint purpose) {
 }
 const uint kCacheForChoice = 0u, kCacheForRounding = 1u, kCacheForPaths = 2u;
 
-// Where the sample of an update will be lies, until then, the claim that it starts from.
-void cache_keep_claim(Cache cache, uint update, uint64_t claim) {
-    CacheWords(cache.v.samples).v[3u * update] = uint(claim);
-    CacheWords(cache.v.samples).v[3u * update + 1u] = uint(claim >> 32);
+// The number of the update of a slot's cell in this frame, or kCacheNoSlot. Between two frames' maintenance the list that they leave behind
+// says it; where no update wrote, something else is there.
+uint cache_update_of(Cache cache, uint slot) {
+    const uint update = CacheWords(cache.v.lists[cache.v.list ^ 1u]).v[slot];
+    return update < cache.v.update_count && CacheWords(cache.v.updates).v[update] == slot ? update : kCacheNoSlot;
 }
-uint64_t cache_kept_claim(Cache cache, uint update) {
-    return uint64_t(CacheWords(cache.v.samples).v[3u * update]) | (uint64_t(CacheWords(cache.v.samples).v[3u * update + 1u]) << 32);
+void cache_note_update(Cache cache, uint slot, uint update) {
+    CacheWords(cache.v.updates).v[update] = slot;
+    CacheWords(cache.v.lists[cache.v.list ^ 1u]).v[slot] = update;
 }
 #endif

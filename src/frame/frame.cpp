@@ -102,13 +102,15 @@ void Frame::order(const Record& record, gpu::CommandList& commands) {
 uint64_t Frame::record(gpu::CommandList& commands) {
     InFlight frame{.serial = serial_};
     barrier_count_ = 0;
-    const uint32_t timed = options_.timers && device_->caps().timestamp_period_ns > 0 ? std::min<uint32_t>(static_cast<uint32_t>(records_.size()), kMaxTimedPasses) : 0;
-    if (timed != 0) {
-        frame.timers = gpu::TimerPool(device_, 2 * timed);
+    const bool times = options_.timers != Timers::None && device_->caps().timestamp_period_ns > 0 && !records_.empty();
+    const uint32_t timed = times && options_.timers == Timers::Passes ? std::min<uint32_t>(static_cast<uint32_t>(records_.size()), kMaxTimedPasses) : 0;
+    if (times) {
+        frame.timers = gpu::TimerPool(device_, std::max(2 * timed, 2u));
         commands.reset_timers(frame.timers);
     }
     listing_.clear();
     gpu_ms_ = 0;
+    if (times && timed == 0) commands.write_timer(frame.timers, 0);
     for (uint32_t i = 0; i < records_.size(); ++i) {
         const Record& record = records_[i];
         commands.begin_label(record.info.name);
@@ -121,6 +123,7 @@ uint64_t Frame::record(gpu::CommandList& commands) {
         commands.end_label();
         listing_.push_back(record.info);
     }
+    if (times && timed == 0) commands.write_timer(frame.timers, 1);
     tracker_.compact();
     // Each object once, so that whoever retires the frame sees which of them nobody else holds.
     std::sort(kept_.begin(), kept_.end());
@@ -174,7 +177,11 @@ void Frame::read_timers(const InFlight& frame) {
     if (!frame.timers) return;
     const std::vector<double> times = frame.timers.read_ms(frame.timers.count());
     gpu_ms_ = times.empty() ? 0 : times.back();
-    for (size_t i = 0; 2 * i + 1 < times.size(); ++i) listing_[i].gpu_ms = times[2 * i + 1] - times[2 * i];
+    if (options_.timers != Timers::Passes) return;
+    for (size_t i = 0; 2 * i + 1 < times.size(); ++i) {
+        listing_[i].begin_ms = times[2 * i];
+        listing_[i].gpu_ms = times[2 * i + 1] - times[2 * i];
+    }
 }
 
 void Frame::report_loss(const std::exception& cause) {

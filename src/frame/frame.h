@@ -23,10 +23,13 @@ namespace parhelion {
 
 class Frame;
 
+// What is timed on the GPU. Timers keep passes apart that would run side by side.
+enum class Timers { None, Frame, Passes };
+
 struct FrameOptions {
     bool full_barriers = false;  // everything waits for everything: pictures must not change
     int skip_barrier = -1;       // leaves the n-th barrier of a frame out (tests of the hazard tracker)
-    bool timers = true;          // GPU milliseconds per pass
+    Timers timers = Timers::Passes;
     bool markers = true;         // remembers the last completed pass, reported when the device is lost
 };
 
@@ -37,6 +40,7 @@ struct PassInfo {
     std::vector<std::string> reads, writes;
     std::string extent;  // "1280x720", "indirect", "" for copies
     double gpu_ms = 0;   // after completion
+    double begin_ms = 0;  // since the first pass began: passes may run side by side
 };
 
 // Set 0 with everything that shaders reach through it.

@@ -1,5 +1,5 @@
 #pragma once
-// What is known of whole classes of devices: how each traces fastest. One table, in device_class.cpp.
+// What is known of whole classes of devices: how each traces fastest, and whether it draws faster than that. One table, in device_class.cpp.
 #include <span>
 #include <string_view>
 
@@ -18,6 +18,7 @@ struct DeviceClass {
     NodeLayout layout;  // of our own structure; not Auto
     bool walks_in_rounds;  // its traversal's loop: BvhLoop::Rounds, else Descend
     uint32_t wavefront_slots;  // paths of the wavefront at a time
+    bool draws_pixels;         // what `gbuffer.mode=auto` takes: raster, else a ray a pixel
 };
 
 // The first that holds is a device's class; the last holds for every device.

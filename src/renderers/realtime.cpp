@@ -11,10 +11,14 @@ namespace parhelion {
 namespace {
 
 constexpr uint32_t kTileRows = 8;           // bands are whole squares of 64 pixels
-constexpr uint32_t kPassings = 8;           // panes, and boundaries that are none, along a path in all
+constexpr uint32_t kPassings = 8, kPassingsWithoutCache = 32;  // panes, and boundaries that are none, along a path of most scatterings
+constexpr uint32_t kMostScatterings = 256;  // of paths without a bound: roulette lets less than one in 100,000 live so long
 
+// Layers that show what the world cache knows at what pixels see.
 bool shows_cache(const View& view) {
-    return std::ranges::any_of(view.channels(), [](const std::string& channel) { return channel.starts_with("debug."); });
+    constexpr std::string_view kOfTheCache[] = {"debug.cells", "debug.irradiance", "debug.level", "debug.count", "debug.age", "debug.life"};
+    const auto is_of_it = [&](const std::string& channel) { return std::ranges::any_of(kOfTheCache, [&](std::string_view layer) { return channel.starts_with(layer); }); };
+    return std::ranges::any_of(view.channels(), is_of_it);
 }
 
 }  // namespace
@@ -37,22 +41,30 @@ Realtime::Realtime(gpu::DevicePtr device, const View& view, const RealtimeOption
     band_rows_ = std::clamp(rows, std::min(kTileRows, view.film().height), view.film().height);
 }
 
+bool Realtime::draws_pixels(const View& view) const {
+    if (options_.gbuffer != GBufferMode::Auto) return options_.gbuffer == GBufferMode::Raster;
+    return options_.auto_draws && view.desc().camera.lens_radius == 0 && !view.desc().camera_at_close;
+}
+
 // Vertices of the longest path, and so rounds of a band.
 uint32_t Realtime::path_length(const SceneGpu& scene, const View& view) const {
-    const uint32_t depth = view.desc().max_bounces;
-    if ((scene.features() & shared::kSceneLayers) != 0) return depth + 1 + kPassings;
+    const uint32_t depth = std::min(view.desc().max_bounces, kMostScatterings);
+    if ((scene.features() & shared::kSceneLayers) != 0) return depth + 1 + (options_.cache ? kPassings : kPassingsWithoutCache);
     return (options_.cache ? std::min(depth, options_.path_bounces) : depth) + 1;
 }
 
 void Realtime::trace_band(passes::LightPass pass, uint32_t path_length) {
     passes::sort_pixels(pass);
     for (; pass.round < path_length; ++pass.round) {
+        const bool last = pass.round + 1 == path_length;  // who still has a ray then ends without it, and it does not count
         passes::prepare_wavefront(pass.tracing(), shared::kSizeOfClasses | shared::kEmptyRays | shared::kEmptyShadows);
         passes::shade_paths(pass);
-        passes::prepare_wavefront(pass.tracing(), shared::kSizeOfRays | shared::kSizeOfShadows | shared::kCountShadows | shared::kEmptyClasses);
+        passes::prepare_wavefront(pass.tracing(), (last ? 0u : shared::kSizeOfRays) | shared::kSizeOfShadows | shared::kCountShadows | shared::kEmptyClasses);
         passes::connect_paths(pass);
-        if (pass.round + 1 == path_length) break;
+        if (after_trace) after_trace(pass.tracing(), passes::WavefrontTraced::ShadowRays);
+        if (last) break;
         passes::extend(pass.tracing());
+        if (after_trace) after_trace(pass.tracing(), passes::WavefrontTraced::Rays);
         passes::sort_paths(pass);
     }
     passes::gather_paths(pass);
@@ -91,8 +103,17 @@ void Realtime::show(Frame& frame, View& view) {
     const shared::ViewData& data = view.data();
     const bool turned = glm::dot(data.camera.forward_ws, data.camera_before.forward_ws) <= 0.0f || data.camera.orthographic != data.camera_before.orthographic;
     reconstruction_->record(frame, {.film = film, .jitter_px = view.jitter(), .gbuffer = gbuffer_, .signals = signals_, .exposure = options_.exposure, .cut = cut_ || turned}, frame_index_);
-    view.hold_camera();
     cut_ = false;
+}
+
+
+std::optional<passes::CacheUpdate> Realtime::begin_update(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const View& view) {
+    if (!cache_ || !updates_cells) return {};
+    const bool changed = scene_version_ != 0 && scene.version() != scene_version_;  // what moves takes its shadow along
+    scene_version_ = scene.version();
+    return std::make_optional<passes::CacheUpdate>(
+        frame, scene, way, *cache_,
+        passes::CacheFrame{.frame_index = frame_index_, .seed = view.desc().seed, .exposure = options_.exposure, .lights_changed = changed, .view = view.film().view});
 }
 
 void Realtime::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, View& view, bool ends_range) {
@@ -101,19 +122,19 @@ void Realtime::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, Vi
     const shared::Slice slice{.first_row = 0, .row_count = film.height, .first_sample = sample, .sample_count = 1};
     if (reconstruction_) view.set_jitter(reconstruction_->jitter_px(frame_index_));
     begin_slice(frame, scene, way, view, slice);
-    if (options_.gbuffer == GBufferMode::Raster) passes::raster_identity(frame, scene, film, gbuffer_.identity, raster_, frame_index_);
+    std::optional<passes::CacheUpdate> update = begin_update(frame, scene, way, view);  // in the shadow of the passes between its parts
+    if (update) update->trace_first();
+    if (draws_pixels(view)) passes::raster_identity(frame, scene, film, gbuffer_.identity, raster_, frame_index_);
     else passes::trace_identity(frame, scene, way, film, gbuffer_, frame_index_);
+    if (update) update->meet_first();
     passes::summarise_surfaces(frame, scene, film, gbuffer_, frame_index_, options_.exposure);
     if (options_.tiles) passes::draw_light_tiles(frame, scene, tiles_, frame_index_, view.desc().seed, {film.width, film.height});
-    if (cache_) {
-        const bool changed = scene_version_ != 0 && scene.version() != scene_version_;  // what moves takes its shadow along
-        passes::update_cache(frame, scene, way, *cache_, {.frame_index = frame_index_, .seed = view.desc().seed, .exposure = options_.exposure, .lights_changed = changed, .view = film.view});
-        scene_version_ = scene.version();
-    }
+    if (update) update->finish();
     if (cache_ && shows_cache(view)) passes::show_cache(frame, scene, film, gbuffer_, cache_->buffer(), frame_index_);
     trace_paths(frame, scene, way, view);
     show(frame, view);
     end_slice(frame, view, slice, ends_range);
+    view.end_frame();
     ++frame_index_;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 // The realtime renderer: a frame's light in one pass of short paths, with nothing baked. Documents 000, 001 and 004.
+#include <functional>
 #include <optional>
 
 #include "passes/cache/cache.h"
@@ -7,18 +8,19 @@
 #include "passes/lights/lights.h"
 #include "passes/realtime/realtime.h"
 #include "renderers/reconstruction.h"
+#include "passes/wavefront/replay.h"
 #include "renderers/view.h"
 
 namespace parhelion {
 
 enum class RealtimeReuse : uint32_t { Full, None, Unbiased };
 
-// What finds the triangles under the pixels. Auto traces: the faster one
-// on a data-centre GPU; on the CPU device raster takes 0.2 to 0.6 of its time.
+// What finds the triangles under the pixels.
 enum class GBufferMode : uint32_t { Auto, Raster, Trace };
 
 struct RealtimeOptions {
     GBufferMode gbuffer = GBufferMode::Auto;  // Raster needs SceneGpuOptions::raster, and a camera without a lens
+    bool auto_draws = false;  // Auto is Raster while the camera has neither lens nor shutter, else Trace; false: Trace always
     uint32_t candidates = 8;  // light samples that the first surface's one is chosen from
     bool tiles = true;        // they come from light tiles; false: the light is sampled as by the reference
     bool cache = true;           // paths end in the world cache; false: they go to the view's depth
@@ -46,8 +48,15 @@ public:
     void set_exposure(float exposure) { options_.exposure = exposure; }
     // The coming frame has nothing to do with those before: a cut. A camera that turns by a right angle or more says so itself.
     void cut() { cut_ = true; }
+    // Called while a frame is recorded, after Extend and after Connect: to look at what they traced (session/bench_realtime.h).
+    std::function<void(const passes::WavefrontPass&, passes::WavefrontTraced)> after_trace;
+
+    // False: the cells stay as they are, for measurements of what their update costs.
+    bool updates_cells = true;
 
 private:
+    std::optional<passes::CacheUpdate> begin_update(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const View& view);
+    bool draws_pixels(const View& view) const;
     uint32_t path_length(const SceneGpu& scene, const View& view) const;
     void show(Frame& frame, View& view);
     void trace_band(passes::LightPass pass, uint32_t path_length);

@@ -17,7 +17,7 @@ SceneGpuOptions scene_options(const RendererOptions& options) {
 }  // namespace
 
 Renderer::Renderer(gpu::DevicePtr device, const RendererOptions& options)
-    : device_(device), options_(options), frame_(device, {.timers = false, .markers = false}), scene_(device, scene_options(options)) {}
+    : device_(device), options_(options), frame_(device, {.timers = Timers::None, .markers = false}), scene_(device, scene_options(options)) {}
 
 void Renderer::sync(const Scene& scene, const ChangeSet& changes) { scene_.sync(scene, changes); }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 #include "base/error.h"
@@ -170,7 +171,8 @@ void View::set_camera(const shared::Camera& camera, const std::optional<shared::
     if (!keep_film) clear_film();
 }
 
-void View::hold_camera() {
+void View::end_frame() {
+    if (std::memcmp(&data_.camera_before, &data_.camera, sizeof(data_.camera)) == 0) return;
     data_.camera_before = data_.camera;
     upload_ = true;
 }

@@ -93,12 +93,12 @@ public:
     // The camera of the coming frames, and where it stands when its shutter closes (none: it is still); the one until now becomes the
     // previous one. Clears the film, unless it is to go on.
     void set_camera(const shared::Camera& camera, const std::optional<shared::Camera>& at_close = {}, bool keep_film = false);
-    // The coming frames stand still: the previous camera is the current one.
-    void hold_camera();
     // Of the coming frames, for PixelFilter::Point: where rays go through pixels, in pixels from their centres.
     void set_jitter(glm::vec2 jitter_px);
     glm::vec2 jitter() const { return data_.jitter; }
     const shared::ViewData& data() const { return data_; }
+    // The frame is drawn: what comes is another one, in which the camera stands where it stood, unless it is set anew.
+    void end_frame();
     // Uploads what changed and clears the film where that was asked for; the first passes of a frame.
     void prepare(Frame& frame);
     void clear_film() { clear_ = true, accumulation_.samples = 0, first_hit_rows_ = 0; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <string>
 
 #include "base/error.h"
 
@@ -10,7 +11,7 @@ namespace parhelion {
 LightCache::LightCache(const gpu::DevicePtr& device, const CacheOptions& options) : options_(options) {
     if (!supported(device->caps()))
         throw Error(ErrorCode::MissingFeature, "the world cache needs 64-bit atomics on buffers (shaderBufferInt64Atomics)", device->caps().name, "use realtime.cache=off");
-    const uint32_t slots = std::bit_ceil(std::clamp(options.cells, kLeastCells, kMostCells)), updates = std::max(std::min(options.budget, slots / 6), 1u);
+    const uint32_t slots = std::bit_ceil(std::clamp(options.cells, kLeastCells, kMostCells)), updates = std::max(std::min(options.budget, slots / 4), 1u);
     uint64_t end = 0;
     const auto place = [&](uint64_t count, uint64_t bytes) {
         constexpr uint64_t kAlignment = 64;
@@ -25,15 +26,23 @@ LightCache::LightCache(const gpu::DevicePtr& device, const CacheOptions& options
     for (uint64_t& list : header_.lists) list = place(slots, sizeof(uint32_t));
     header_.buckets = place(slots / shared::kCacheBucket, sizeof(uint32_t));
     header_.updates = place(updates, sizeof(uint32_t));
-    header_.samples = place(updates, sizeof(glm::vec3));
+    header_.kept = place(updates, sizeof(uint64_t));
     buffer_ = gpu::Buffer(device, "cache/cells", end);
     sizes_ = gpu::Buffer(device, "cache/sizes", shared::kCacheSizeCount * sizeof(shared::CacheSize));
     for (uint64_t* address : {&header_.keys, &header_.claims, &header_.irradiance, &header_.moments, &header_.lists[0], &header_.lists[1], &header_.buckets,
-                              &header_.updates, &header_.samples})
+                              &header_.updates, &header_.kept})
         *address += buffer_.address();
     header_.slot_count = slots;
     header_.bucket_mask = slots / shared::kCacheBucket - 1;
     header_.update_capacity = updates;
+    const auto buffer = [&](const char* name, uint64_t bytes) { return gpu::Buffer(device, std::string("cache/") + name, updates * bytes); };
+    updates_ = {.lists = buffer("path_lists", 2 * sizeof(uint32_t)),
+                .rays = buffer("rays", sizeof(shared::WavefrontRay)),
+                .paths = buffer("paths", sizeof(shared::CachePath)),
+                .hits = buffer("hits", sizeof(shared::WavefrontHit)),
+                .found = buffer("found", sizeof(shared::CacheUpdate)),
+                .light_rays = buffer("light_rays", sizeof(shared::WavefrontShadowRay)),
+                .passing = buffer("passing", sizeof(glm::vec4))};
 }
 
 shared::CacheFrameData LightCache::begin_frame(uint32_t frame_index, uint32_t seed, float exposure, bool lights_changed) {

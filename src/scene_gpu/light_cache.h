@@ -13,7 +13,7 @@ namespace parhelion {
 struct CacheOptions {
     uint32_t cells = 1u << 18;     // that there is room for; made a power of two
     uint32_t life = 10;            // frames that a cell lives on after a pixel asked for it
-    uint32_t budget = 40000;       // cells that are updated in a frame, at most a sixth of the room
+    uint32_t budget = 40000;       // cells that are updated in a frame, at most a quarter of the room
     uint32_t samples = 32;         // that a cell's running mean is worth at most
     uint32_t candidates = 8;       // lights that one choice is made among
     float cell_scale = 0.25f;      // size of a cell over the footprint that asks for it
@@ -33,6 +33,15 @@ struct CacheStats {
     uint64_t path_rays = 0, shadow_rays = 0;
 };
 
+// What updates need between their passes, 204 bytes for each cell that one frame updates. Apart, so that passes that share nothing overlap.
+struct CacheUpdateBuffers {
+    gpu::Buffer lists;       // uint[2][updates]: whose paths go on, of rounds by turns
+    gpu::Buffer rays, paths, hits;  // shared::WavefrontRay, CachePath, WavefrontHit
+    gpu::Buffer found;       // shared::CacheUpdate
+    gpu::Buffer light_rays;  // shared::WavefrontShadowRay: to the light that was chosen
+    gpu::Buffer passing;     // vec4: what of it arrives, and how many rays that took
+};
+
 class LightCache {
 public:
     static constexpr uint32_t kLeastCells = 1u << 10, kMostCells = 1u << 24;
@@ -48,6 +57,7 @@ public:
     const gpu::Buffer& sizes() const { return sizes_; }  // shared::CacheSize[]: work sizes of its passes
     const CacheOptions& options() const { return options_; }
     uint32_t slot_count() const { return header_.slot_count; }
+    const CacheUpdateBuffers& updates() const { return updates_; }
     uint64_t bytes() const { return buffer_.bytes(); }
     const shared::CacheHeader& layout() const { return header_; }  // addresses and sizes; the rest is as of an empty cache
 
@@ -66,6 +76,7 @@ private:
     CacheOptions options_;
     shared::CacheHeader header_{};
     gpu::Buffer buffer_, sizes_;
+    CacheUpdateBuffers updates_;
     bool empty_ = true;
     std::optional<float> exposure_;
     uint32_t quick_frames_ = 0;  // that are left in which means are short

@@ -27,8 +27,16 @@ struct RealtimeBenchRow {
     };
     std::vector<PassMs> passes;  // of the frame, in its order; those of the film's upkeep left out
     double ms(std::string_view prefix) const;
-    double lighting_ms = 0;      // of the frame's time, less its surfaces and the film's upkeep: passes may run side by side
-    double rays_per_pixel = 0;   // of the identity, of the paths and of their light
+    double frame_ms = 0;         // of whole frames, less the film's upkeep: passes run side by side, so it is less than their sum
+    double lighting_ms() const { return frame_ms - ms("gbuffer/"); }
+    double cache_ms = 0;         // what a frame takes longer than one that leaves the cells as they are
+    double traced_ms() const;    // of the kernels that trace
+    double trace_share() const { return frame_ms > 0 ? traced_ms() / frame_ms : 0; }
+    // The rays of some of the frames, traced once more by a kernel that does nothing else: those of paths and to lights as the frame asked
+    // for them. Pixels' own rays count what their kernel takes, where they are traced; the cache's what as many rays of paths and to lights take.
+    double bare_ms = 0;
+    double over_bare() const { return bare_ms > 0 ? frame_ms / bare_ms : 0; }
+    double rays_per_pixel = 0;   // of the identity where it is traced, of the paths and of their light
     double cache_rays = 0;       // of the cache's update, a frame
     double live_cells = 0, updated_cells = 0;
     uint64_t cache_bytes = 0;

@@ -71,7 +71,7 @@ void FramesJob::begin() {
     report_.frame_samples = realtime() ? 1 : options_.samples.end;
     report_.play = PlayReport{.play = play_, .frames = {}};
     if (realtime()) {
-        RealtimeOptions settings = realtime_options(settings_);
+        RealtimeOptions settings = realtime_options(settings_, device_->caps());
         settings.exposure = static_cast<float>(image::exposure_scale_from_ev100(report_.exposure_ev));
         if (options_.denoise == DenoiseKind::Builtin) settings.reconstruction = settings_.reconstruction;
         realtime_.emplace(device_, *view_, settings);

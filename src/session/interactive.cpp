@@ -93,7 +93,7 @@ void Interactive::take_loaded() {
 }
 
 void Interactive::set_up_scene() {
-    if (!scene_gpu_) scene_gpu_ = std::make_unique<SceneGpu>(device_, describe_scene_gpu(settings_, trace_));
+    if (!scene_gpu_) scene_gpu_ = std::make_unique<SceneGpu>(device_, describe_scene_gpu(settings_, trace_, may_draw_pixels(settings_, device_->caps())));
     scene_gpu_->sync(loaded_->scene);
     if (!view_) set_up_view();
 }

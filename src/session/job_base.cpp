@@ -93,7 +93,7 @@ void JobBase::open_device() {
 void JobBase::set_up() {
     const auto begin = Clock::now();
     frame_ = std::make_unique<Frame>(device_);
-    scene_gpu_ = std::make_unique<SceneGpu>(device_, describe_scene_gpu(settings_, trace_));
+    scene_gpu_ = std::make_unique<SceneGpu>(device_, describe_scene_gpu(settings_, trace_, options_.renderer == RendererKind::Realtime && may_draw_pixels(settings_, device_->caps())));
     scene_gpu_->sync(loaded_.scene);
     if (!bring_in_scene(true)) return;
     const ViewDesc desc = describe_view(options_, settings_, camera_);

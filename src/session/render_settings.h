@@ -2,6 +2,7 @@
 // The settings of `--set group.field=value`: what a picture depends on and seldom needs an option of its own.
 #include "base/error.h"
 #include "base/settings.h"
+#include "gpu/device_class.h"
 #include "renderers/realtime.h"
 #include "renderers/view.h"
 #include "renderers/wavefront.h"
@@ -44,7 +45,7 @@ template <class V>
 void visit_cache(V&& v, CacheOptions& s) {
     v.field("cache.cells", s.cells, range(LightCache::kLeastCells, LightCache::kMostCells), "cells that the world cache has room for, 40 bytes each; made a power of two");
     v.field("cache.life", s.life, range(1, shared::kCacheMostLife), "frames that a cell lives on after the camera's paths asked for it");
-    v.field("cache.budget", s.budget, range(1, LightCache::kMostCells), "cells that a frame updates, at most a sixth of cache.cells");
+    v.field("cache.budget", s.budget, range(1, LightCache::kMostCells), "cells that a frame updates, at most a quarter of cache.cells");
     v.field("cache.samples", s.samples, range(1, shared::kCacheMostSamples), "samples that a cell's running mean is worth at most");
     v.field("cache.candidates", s.candidates, range(1, 64), "light samples that a cell's one shadow ray is chosen among");
     v.field("cache.cell_scale", s.cell_scale, range(0.01, 4), "size of a cell over the width of the path's cone there");
@@ -104,7 +105,7 @@ void visit(V&& v, RenderSettings& s) {
             "one kernel of Shade for all materials, or one for each class of them");
     v.field("wavefront.memory_mb", s.wavefront_memory_mb, range(1, 1 << 20), "most that what waits for wavefront.connect=once may take, and as much for finished samples");
     v.field("realtime.reuse", s.realtime_reuse, choices({"full", "none", "unbiased"}), "reservoirs that share samples between pixels and frames; only none so far: each pixel's light is its own");
-    v.field("gbuffer.mode", s.gbuffer_mode, choices({"auto", "raster", "trace"}), "what the realtime renderer finds the triangles under pixels with; auto: trace");
+    v.field("gbuffer.mode", s.gbuffer_mode, choices({"auto", "raster", "trace"}), "what the realtime renderer finds the triangles under pixels with; auto: as suits devices of this class, and trace for a lens or a shutter");
     v.field("realtime.cache", s.realtime_cache, choices({"off", "on"}), "paths end in the world cache, or go to their full depth (--max-bounces)");
     v.field("realtime.tiles", s.realtime_tiles, choices({"off", "on"}), "the first surface's light is chosen among candidates out of light tiles, or sampled as by the reference");
     v.field("realtime.candidates", s.realtime_candidates, range(1, 64), "light samples that the first surface's one is chosen from");
@@ -133,8 +134,14 @@ inline void check_realtime(const RenderSettings& s) {
         throw Error(ErrorCode::Usage, "the realtime renderer reads textures at full resolution, and shades where it traces", "--renderer realtime", "leave texture.lod and reference.shade_in as they are");
 }
 
-inline RealtimeOptions realtime_options(const RenderSettings& s) {
+// Whether the realtime renderer may draw the triangles under pixels: auto is the table of device classes.
+inline bool may_draw_pixels(const RenderSettings& s, const gpu::DeviceCaps& caps) {
+    return s.gbuffer_mode == GBufferMode::Raster || (s.gbuffer_mode == GBufferMode::Auto && caps.raster && gpu::device_class(caps).draws_pixels);
+}
+
+inline RealtimeOptions realtime_options(const RenderSettings& s, const gpu::DeviceCaps& caps) {
     return {.gbuffer = s.gbuffer_mode,
+            .auto_draws = may_draw_pixels(s, caps),
             .candidates = s.realtime_candidates,
             .tiles = s.realtime_tiles == Switch::On,
             .cache = s.realtime_cache == Switch::On,

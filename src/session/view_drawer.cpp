@@ -137,7 +137,7 @@ std::unique_ptr<ViewDrawer> make_view_drawer(const gpu::DevicePtr& device, const
         case RendererKind::Reference: return std::make_unique<ReferenceDrawer>(options.size, options.max_samples);
         case RendererKind::Wavefront: return std::make_unique<WavefrontDrawer>(device, wavefront_options(settings), options.size, options.max_samples);
         case RendererKind::Realtime: {
-            RealtimeOptions realtime = realtime_options(settings);
+            RealtimeOptions realtime = realtime_options(settings, device->caps());
             if (options.denoise == DenoiseKind::Builtin) realtime.reconstruction = settings.reconstruction;
             return std::make_unique<RealtimeDrawer>(device, realtime, options.max_samples);
         }

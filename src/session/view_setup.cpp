@@ -25,13 +25,13 @@ ViewDesc describe_view(const RenderOptions& options, const RenderSettings& setti
             .aovs = options.aovs};
 }
 
-SceneGpuOptions describe_scene_gpu(const RenderSettings& settings, const TraceDecision& trace) {
+SceneGpuOptions describe_scene_gpu(const RenderSettings& settings, const TraceDecision& trace, bool draws_pixels) {
     const bool hardware = trace.way != gpu::TraceWay::Compute;
     return {.culling = settings.culling == Culling::Gltf,
             .infinite_share = settings.infinite_share,
             .hardware = hardware,
             .own_bvh = !hardware,
-            .raster = settings.gbuffer_mode == GBufferMode::Raster,
+            .raster = draws_pixels,
             .node_layout = trace.layout,
             .bvh_loop = settings.bvh_loop};
 }

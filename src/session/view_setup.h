@@ -8,6 +8,7 @@
 namespace parhelion {
 
 ViewDesc describe_view(const RenderOptions& options, const RenderSettings& settings, const MovingCamera& camera);
-SceneGpuOptions describe_scene_gpu(const RenderSettings& settings, const TraceDecision& trace);
+// `draws_pixels`: may_draw_pixels(), if the realtime renderer may be the one that draws.
+SceneGpuOptions describe_scene_gpu(const RenderSettings& settings, const TraceDecision& trace, bool draws_pixels);
 
 }  // namespace parhelion

@@ -59,7 +59,7 @@ TEST_F(RealtimeCache, a_room_of_half_metal_is_as_bright_as_by_whole_paths) {
     builtin::add_object(edit, "room", std::move(room), edit.add(walls));
     builtin::add_camera(edit, "inside", {-1.7f, 1.6f, 1.7f}, {0.5f, 0.9f, -1.0f}, 1.0f);
     Stage stage(make_scene(std::move(edit)));
-    expect_within(run_means(stage, 6, 12), true_means(stage, 6), 0.02);
+    expect_within(run_means(stage, 10, 16), true_means(stage, 8), 0.02);
 }
 
 // Stored light is pre-exposed; what is seen is not. Two runs of the same numbers, one of which opens its aperture on the way.

@@ -50,6 +50,31 @@ TEST_F(RealtimeCamera, sees_no_light_in_a_closed_box) {
         }
 }
 
+// A camera turns for two frames, then stands: in its second frame there nothing moves any more, neither on its walls nor in the depth that
+// hides what is drawn.
+TEST_F(RealtimeCamera, moves_nothing_in_the_second_frame_after_it_stopped) {
+    Stage& stage = builtin_stage("builtin:cornell");
+    const CameraView first = view_of((*stage.scene.cameras().begin()).value, 1.0f);
+    CameraView turned = first;
+    turned.position += 0.05f * first.right;
+    Player player(stage, {.view = {.width = 16, .height = 16, .filter = PixelFilter::Point}}, {.cache = false});
+    const auto moving = [&] {
+        player.skip(1);
+        const gpu::Buffer copy = stage.frame.read_back(player.realtime.gbuffer().motion);
+        stage.frame.run();
+        const auto motion = copy.mapped_as<glm::vec2>();
+        return std::ranges::count_if(motion, [](glm::vec2 v) { return glm::length(v) > 1e-3f; });
+    };
+    EXPECT_EQ(moving(), 0) << "the first frame has no past";
+    player.set_camera(turned);
+    EXPECT_GT(moving(), 200);
+    EXPECT_EQ(moving(), 0) << "it stands, untouched";
+    player.set_camera(first);
+    EXPECT_GT(moving(), 200);
+    player.set_camera(first);
+    EXPECT_EQ(moving(), 0) << "it is set to where it stands";
+}
+
 // After a cut the first frame is that of a renderer that begins there: what pixels see is of no other frame, and light that is sampled
 // where they see it does not know of the past.
 TEST_F(RealtimeCamera, has_no_past_after_a_cut) {

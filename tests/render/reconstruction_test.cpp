@@ -64,7 +64,7 @@ public:
         reconstruction_.record(frame, {.film = view.film(), .jitter_px = view.jitter(), .gbuffer = gbuffer_, .signals = signals_, .exposure = exposure, .cut = cut}, index);
         end_slice(frame, view, {.first_row = 0, .row_count = kSize, .first_sample = 0, .sample_count = 1}, true);
         frame.run();
-        view.hold_camera();
+        view.end_frame();
         ++index;
         return image::resolve_film(make_film_sums(view.read_film(frame), {kSize, kSize}, {0, 1}, {}));
     }

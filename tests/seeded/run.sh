@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Seeded bugs: applies each row of bugs.tsv to a copy of the shaders, compiles those that read the file into a pack of its own
 # (PARHELION_SHADER_DIR) and expects the named tests to fail; or to a copy of a .cpp file, which is linked before the library that has
-# the right one. Prints the killing test. A missing barrier is seeded by the tests
+# the right one. Prints the killing test; a crash kills too. A missing barrier is seeded by the tests
 # themselves (each_barrier_left_out_draws_a_complaint), a wrong merge by a wrong film (merged_parts_are_the_whole_bit_for_bit).
 #     tests/seeded/run.sh BUILD_FOLDER [NAME...]       the build must be up to date; JOBS bugs run side by side (all cores),
 #                                                  LIMIT seconds each (600; more where others use the machine)
@@ -50,12 +50,20 @@ link_program() {
     (cd "$build" && eval "$compile" && eval "$link")
 }
 
+# A program that cannot start without bugs says nothing of them.
+while read -r program; do
+    "$build/tests/$program" --gtest_list_tests >"$work/start.log" 2>&1 || { echo "$build/tests/$program does not start: $(tail -n 1 "$work/start.log")"; exit 2; }
+done < <(grep -v '^#' "$root/tests/seeded/bugs.tsv" | cut -f5 | sort -u)
+
+# What ended a program early: "signal 11", "exit status 3".
+cause_of() { if [ "$1" -gt 128 ]; then echo "signal $(($1 - 128))"; else echo "exit status $1"; fi; }
+
 # A test that fails anyway kills nothing.
 passes_without_bugs() { LP_NUM_THREADS=0 timeout "$limit" "$build/tests/$1" --gtest_filter="$2" >"$work/control.$BASHPID" 2>&1; }
 
 # One row of the table.
 try_bug() {
-    local name=$1 file=$2 from=$3 to=$4 program=$5 filter=$6 tree=$work/$1 out killer status
+    local name=$1 file=$2 from=$3 to=$4 program=$5 filter=$6 tree=$work/$1 out killer status how=
     local binary=$build/tests/$program pack=()
     mkdir -p "$tree/src" "$tree/tests/device"
     cp -r "$root/tests/device/shaders" "$tree/tests/device/shaders"
@@ -71,9 +79,15 @@ try_bug() {
     out=$(env "${pack[@]}" LP_NUM_THREADS=0 timeout "$limit" "$binary" --gtest_filter="$filter" --gtest_fail_fast 2>&1)
     status=$?
     killer=$(grep -m1 -E '^\[  FAILED  \]' <<<"$out" | sed 's/^\[  FAILED  \] //; s/ (.*//; s/,.*//')
+    # Ended before a test could say that it failed: by the test that ran, or by a signal before any did.
+    if [ -z "$killer" ] && [ "$status" -ne 0 ] && [ "$status" -ne 124 ]; then
+        killer=$(grep -E '^\[ RUN      \]' <<<"$out" | tail -n 1 | sed 's/^\[ RUN      \] //') how=" (a crash: $(cause_of "$status"))"
+        [ -n "$killer" ] || [ "$status" -le 128 ] || killer=$filter
+    fi
     if [ -n "$killer" ] && ! passes_without_bugs "$program" "$killer"; then echo "$name: NOT TRIED, $killer fails without it"
-    elif [ -n "$killer" ]; then echo "$name: killed by $killer"
+    elif [ -n "$killer" ]; then echo "$name: killed by $killer$how"
     elif [ "$status" -eq 124 ]; then echo "$name: NOT FINISHED in $limit s"
+    elif [ "$status" -ne 0 ]; then echo "$name: NOT STARTED ($(tail -n 1 <<<"$out"))"
     else echo "$name: SURVIVED ($(tail -n 1 <<<"$out"))"; fi
     rm -rf "$tree"
 }

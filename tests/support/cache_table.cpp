@@ -37,12 +37,17 @@ std::vector<CacheAnswer> CacheBench::step(const std::vector<CacheAsk>& asks) {
         uint32_t count;
     };
     struct SamplePush {
-        uint64_t cache;
+        uint64_t cache, found, passing;
         glm::vec3 irradiance;
     };
     passes::begin_cache(frame, gpu::TraceWay::Compute, cache, next);
     ++next.frame_index;
-    frame.compute("device/cache_sample").read_write("cache", cache.buffer()).push(SamplePush{.irradiance = irradiance}).over(cache.layout().update_capacity);
+    frame.compute("device/cache_sample")
+        .read("cache", cache.buffer())
+        .write("found", cache.updates().found)
+        .write("passing", cache.updates().passing)
+        .push(SamplePush{.irradiance = irradiance})
+        .over(cache.layout().update_capacity);
     passes::blend_cache(frame, cache);
     if (asks.empty()) {
         frame.run();

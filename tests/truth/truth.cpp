@@ -166,9 +166,6 @@ void TruthRun::record(bool last) {
     }
     realtime_.record(stage.frame, stage.scene_gpu, on_.way, view_, last);
     stage.frame.run();
-    // The camera of a frame ago is where it jumped to from the second frame on.
-    if (has_jumped_) view_.set_camera(shared::Camera(view_.desc().camera), {}, true);
-    has_jumped_ = false;
 }
 
 void TruthRun::skip(uint32_t frames) {
@@ -185,7 +182,6 @@ image::ImageF TruthRun::average(uint32_t frames) {
 
 void TruthRun::look(const CameraView& camera) {
     view_.set_camera(shader_camera(camera, 1.0f));
-    has_jumped_ = true;
 }
 
 std::vector<float> luminance(const image::ImageF& picture, size_t first_channel) {

@@ -94,7 +94,6 @@ private:
     TruthStage& on_;
     View view_;
     Realtime realtime_;
-    bool has_jumped_ = false;
 };
 
 std::vector<float> luminance(const image::ImageF& picture, size_t first_channel = 0);

@@ -59,6 +59,11 @@ TEST(CacheKeys, a_point_and_its_double_at_the_next_level_share_no_cell) {
     EXPECT_NE(cache_key(fine, 12u, cache_normal_code(up), 1u), cache_key(fine, 13u, cache_normal_code(up), 1u));
 }
 
+TEST(CacheKeys, no_cell_has_the_number_of_a_free_slot) {
+    const uint64_t none = kCacheNoKey & ~kCacheNewborn;
+    EXPECT_EQ(cache_key_normal(none), 127u) << "where codes of normals end at 120";
+}
+
 TEST(CacheKeys, slots_and_admission_are_spread_evenly) {
     // 64,000 neighbours over 256 buckets: chi-square with 255 degrees of freedom, mean 255, deviation 22.6; seven of them.
     std::vector<int> buckets(256), probes(kCacheBucket);

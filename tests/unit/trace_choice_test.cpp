@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "base/file.h"
+#include "session/render_settings.h"
 #include "session/trace_bench.h"
 #include "support/process.h"
 
@@ -37,6 +38,26 @@ TEST(DeviceClasses, cards_without_ray_tracing_cores_trace_in_compute_and_others_
     EXPECT_EQ(way(device("AMD Radeon RX 480", 0x1002, kDiscrete, false, false)), gpu::TraceWay::Compute);
     EXPECT_EQ(way(device("Intel Arc A770", 0x8086, kDiscrete, true, true)), gpu::TraceWay::Query);
     EXPECT_EQ(way(device("another", 1, kDiscrete, true, false)), gpu::TraceWay::Pipeline);
+}
+
+// As measured on an H100; the CPU device would lose its passes' times. A device that cannot draw traces, whatever its class.
+TEST(DeviceClasses, data_centre_gpus_and_the_cpu_trace_the_triangles_under_pixels_and_others_draw_them) {
+    const auto draws = [](gpu::DeviceCaps caps, GBufferMode mode = GBufferMode::Auto, bool can = true) {
+        caps.raster = can;
+        return may_draw_pixels({.gbuffer_mode = mode}, caps);
+    };
+    const gpu::DeviceCaps h100 = device("NVIDIA H100 80GB HBM3", 0x10DE, kDiscrete, true, false), cpu = device("llvmpipe (LLVM 15)", 0x10005, gpu::DeviceType::Cpu, true, true);
+    EXPECT_FALSE(draws(h100));
+    EXPECT_FALSE(draws(device("NVIDIA H200", 0x10DE, kDiscrete, false, false))) << "its ray tracing hidden";
+    EXPECT_FALSE(draws(cpu));
+    EXPECT_TRUE(draws(device("NVIDIA GeForce GTX 1080", 0x10DE, kDiscrete, true, true)));
+    EXPECT_TRUE(draws(device("NVIDIA GeForce RTX 4090", 0x10DE, kDiscrete, true, true)));
+    EXPECT_TRUE(draws(device("AMD Radeon RX 480", 0x1002, kDiscrete, false, false)));
+    const gpu::DeviceCaps rtx = device("NVIDIA GeForce RTX 4090", 0x10DE, kDiscrete, true, true);
+    EXPECT_FALSE(draws(rtx, GBufferMode::Auto, false));
+    EXPECT_FALSE(draws(rtx, GBufferMode::Trace));
+    EXPECT_TRUE(draws(cpu, GBufferMode::Raster));
+    EXPECT_TRUE(draws(h100, GBufferMode::Raster)) << "asked for";
 }
 
 TEST(DeviceClasses, every_device_has_one_whose_way_it_can_go_and_whose_nodes_are_named) {

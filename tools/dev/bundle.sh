@@ -1,13 +1,15 @@
 # shellcheck shell=bash disable=SC1091,SC2016,SC2034,SC2154
-# ./dev bundle: the program with its libraries, for another x86-64 Linux that has a Vulkan driver.
+# ./dev bundle: the program, and the viewer where it can be built, with their libraries, for another x86-64 Linux that has a Vulkan driver.
 
 # Every Linux has these, and a second copy of them in one process would break its Vulkan driver:
-# glibc, the compiler's run-time libraries (a driver may need newer ones than ours) and zlib.
-part_of_the_system='^(ld-linux.*|lib(c|m|dl|rt|pthread|resolv|stdc\+\+|gcc_s|z|atomic))\.so'
-bundle_limit_mib=25
+# glibc, the compiler's run-time libraries (a driver may need newer ones than ours) and zlib. Who has a window for the viewer has X11.
+part_of_the_system='^(ld-linux.*|lib(c|m|dl|rt|pthread|resolv|stdc\+\+|gcc_s|z|atomic|X11|xcb|Xau|Xdmcp|bsd|md))\.so'
+bundle_limit_mib=25  # without the viewer, which has everything compiled in once more:
+viewer_limit_mib=15
 
 # The packages whose code is compiled in: their licences are carried too.
 compiled_in='libglm-dev nlohmann-json3-dev libvulkan-dev libspdlog-dev libfmt-dev'
+compiled_into_the_viewer='libimgui-dev'
 
 bundle_libraries() { # bundle_libraries FOLDER PROGRAM...: copies what the programs load into FOLDER/lib
     local folder=$1 library name
@@ -48,6 +50,7 @@ bundle_dispatch() { # bundle_dispatch FOLDER
 
 bundle_licenses() { # bundle_licenses FOLDER
     local folder=$1 package file
+    [[ ! -f $folder/bin/parhelion-view ]] || compiled_in+=" $compiled_into_the_viewer"
     # shellcheck disable=SC2086
     for package in $(cut -d' ' -f1 "$folder/owners" | sort -u) $compiled_in; do
         file=/usr/share/doc/$package/copyright
@@ -77,34 +80,42 @@ check_bundle() { # check_bundle FOLDER: nothing comes from this machine but the 
     stray=$(env -i ldd "$folder"/bin/* "$folder"/lib/*.so* 2>/dev/null | sed -nE "s/^.*(=> (\/[^ ]+) .*|=> not found)$/\0/p" | grep -v "=> $folder/" |
         awk '{ print $1 }' | sort -u | grep -Ev "$part_of_the_system" || true)
     [[ -z $stray ]] || die "bundle: these libraries are not carried: ${stray//$'\n'/ }"
-    env -i "$folder/bin/parhelion" --version >/dev/null || die "bundle: the program does not start"
+    for file in "$folder"/bin/*; do
+        env -i "$file" --version >/dev/null || die "bundle: ${file##*/} does not start"
+    done
     # No path of the build machine may be inside.
     file=$(grep -lF -- "$root" "$folder"/bin/* || true)
     [[ -z $file ]] || warn "bundle: ${file##*/} contains the path of the source tree"
 }
 
 cmd_bundle() {
-    local with_tests=false version name folder program tests archive mib
+    local with_tests=false version name folder program programs tests archive mib viewer_mib=0
     case ${1:-} in '') ;; --with-tests) with_tests=true ;; *) usage_error "bundle: unknown argument '$1'" ;; esac
     [[ $# -le 1 ]] || usage_error "bundle: unknown argument '$2'"
     [[ $(uname -m) == x86_64 ]] || die "bundle: this machine is $(uname -m), bundles are for x86_64"
     ensure_deps
     have patchelf || apt_install patchelf
     if $with_tests; then configure_and_build release; else configure_and_build release parhelion; fi
+    programs=("$(program_path parhelion release)")
+    if grep -q '^build parhelion-view:' "$build_dir/release/build.ninja"; then
+        configure_and_build release parhelion-view
+        programs+=("$(program_path parhelion-view release)")
+    fi
     version=$(sed -nE 's/^CMAKE_PROJECT_VERSION:STATIC=(.*)$/\1/p' "$build_dir/release/CMakeCache.txt")
     name=parhelion-$version-linux-x86_64
     folder=$build_dir/bundle/$name
     step "Bundling $name"
     rm -rf "$folder"
     mkdir -p "$folder/bin" "$folder/lib" "$folder/licenses"
-    program=$(program_path parhelion release)
     tests=()
     if $with_tests; then mapfile -t tests < <(built_programs "$build_dir/release/tests"); fi
-    strip -o "$folder/bin/parhelion" "$program"
-    chmod 755 "$folder/bin/parhelion"
-    # DT_RPATH, not DT_RUNPATH: it holds for what the driver opens, too (bundle_dispatch).
-    patchelf --force-rpath --set-rpath '$ORIGIN/../lib' "$folder/bin/parhelion"
-    bundle_libraries "$folder" "$program" "${tests[@]}"
+    for program in "${programs[@]}"; do
+        strip -o "$folder/bin/${program##*/}" "$program"
+        chmod 755 "$folder/bin/${program##*/}"
+        # DT_RPATH, not DT_RUNPATH: it holds for what the driver opens, too (bundle_dispatch).
+        patchelf --force-rpath --set-rpath '$ORIGIN/../lib' "$folder/bin/${program##*/}"
+    done
+    bundle_libraries "$folder" "${programs[@]}" "${tests[@]}"
     bundle_licenses "$folder"
     bundle_dispatch "$folder"
     if $with_tests; then bundle_tests "$folder" "${tests[@]}"; fi
@@ -113,14 +124,16 @@ Parhelion $version, for Linux on x86-64.
 
   bin/parhelion devices
   bin/parhelion render builtin:cornell --out cornell.png
-  bin/parhelion help
+  bin/parhelion help$([[ ${#programs[@]} -lt 2 ]] || printf '\n  bin/parhelion-view builtin:diorama       a window (X11)')
 
 Needs a Vulkan 1.3 driver (your GPU's, or Mesa's lavapipe 25.0 or newer for the CPU) and glibc $(newest_glibc "$folder"/bin/* "$folder"/lib/*.so* | tr -d A-Z_) or newer.
 lib/ holds the libraries it uses, licenses/ their terms.
 TEXT
     check_bundle "$folder"
     mib=$((($(du -sk --apparent-size --exclude=tests "$folder" | cut -f1) + 1023) / 1024))
-    [[ $mib -le $bundle_limit_mib ]] || die "bundle: $mib MiB, more than the $bundle_limit_mib allowed"
+    [[ ! -f $folder/bin/parhelion-view ]] || viewer_mib=$((($(stat -c %s "$folder/bin/parhelion-view") + 1048575) / 1048576))
+    [[ $viewer_mib -le $viewer_limit_mib ]] || die "bundle: the viewer has $viewer_mib MiB, more than the $viewer_limit_mib allowed"
+    [[ $((mib - viewer_mib)) -le $bundle_limit_mib ]] || die "bundle: $((mib - viewer_mib)) MiB without the viewer, more than the $bundle_limit_mib allowed"
     archive=$folder.tar.gz
     # gzip, because every system unpacks it; sorted, without owners and dates, so that the same tree gives the same file.
     tar -C "$build_dir/bundle" --sort=name --owner=0 --group=0 --numeric-owner --mtime=@"${SOURCE_DATE_EPOCH:-0}" -cf - "$name" | gzip -9n >"$archive"

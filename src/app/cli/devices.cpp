@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "gpu/device.h"
+#include "session/render_settings.h"
 #include "session/results.h"
 #include "session/trace_choice.h"
 
@@ -38,7 +39,8 @@ std::string vulkan_version(uint32_t packed) { return fmt::format("{}.{}.{}", pac
 
 Json automatic_json(const gpu::DeviceCaps& caps) {
     const TraceDecision decision = decide_trace(caps, TraceChoice::Auto, gpu::NodeLayout::Auto);
-    return {{"trace", trace_way_name(decision.way)}, {"node_layout", node_layout_name(decision.layout)}, {"source", decision.source}};
+    return {{"trace", trace_way_name(decision.way)}, {"node_layout", node_layout_name(decision.layout)}, {"source", decision.source},
+            {"gbuffer", may_draw_pixels({}, caps) ? "raster" : "trace"}};
 }
 
 Json device_json(const gpu::DeviceCaps& caps, bool best) {
@@ -76,6 +78,7 @@ std::string device_text(const gpu::DeviceCaps& caps, bool best) {
     const TraceDecision decision = decide_trace(caps, TraceChoice::Auto, gpu::NodeLayout::Auto);
     out += fmt::format("     --trace auto takes {} ({})\n", trace_way_name(decision.way),
                        decision.source == "table" ? fmt::format("device class: {}", gpu::device_class(caps).name) : "measured here");
+    out += fmt::format("     gbuffer.mode=auto takes {} (device class: {})\n", may_draw_pixels({}, caps) ? "raster" : "trace", gpu::device_class(caps).name);
     for (const std::string& missing : caps.missing) out += fmt::format("     lacks {}\n", missing);
     return out;
 }

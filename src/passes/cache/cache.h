@@ -17,8 +17,27 @@ struct CacheFrame {
 // afterwards binds `cache` to cache.buffer(), read_write.
 void update_cache(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, LightCache& cache, const CacheFrame& now);
 
+// The same in three parts. Its rays are few and long: what is recorded between the parts runs beside them.
+class CacheUpdate {
+public:
+    CacheUpdate(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, LightCache& cache, const CacheFrame& now);
+    void trace_first();  // rays of the cells that are updated
+    void meet_first();   // what those met
+    void finish();       // further rays, shadow rays, and the cells' new means
+
+private:
+    void meet(uint32_t round);
+    Frame& frame_;
+    const SceneGpu& scene_;
+    gpu::TraceWay way_;
+    LightCache& cache_;
+    gpu::Buffer view_;
+    shared::CacheFrameData data_;
+    uint32_t rounds_;
+};
+
 // Its parts: what comes before the rays (the cells that are updated are chosen), and after them.
-void begin_cache(Frame& frame, gpu::TraceWay way, LightCache& cache, const CacheFrame& now);
+shared::CacheFrameData begin_cache(Frame& frame, gpu::TraceWay way, LightCache& cache, const CacheFrame& now);
 void blend_cache(Frame& frame, const LightCache& cache);
 
 }  // namespace parhelion::passes

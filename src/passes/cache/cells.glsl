@@ -24,9 +24,9 @@ float cache_trend(CacheMoments moments) {
 uint cache_class(CacheMoments moments, uint life, uint full_life, uint level) {
     const float kHighest = 12.0;
     float octaves = life + 1u >= full_life ? 2.0 : 0.0;
-    octaves += 4.0 * (1.0 - min(float(moments.count) / float(kCacheYoung), 1.0));
+    octaves += 4.0 * (1.0 - min(cache_worth(moments.count) / float(kCacheYoung), 1.0));
     octaves += log2(1.0 + 15.0 * cache_trend(moments));
-    octaves += moments.count == 0u ? 2.0 : min(log2(1.0 + sqrt(moments.spread / float(moments.count)) * 4.0), 2.0);
+    octaves += moments.count == 0u ? 2.0 : min(log2(1.0 + sqrt(moments.spread / cache_worth(moments.count)) * 4.0), 2.0);
     octaves -= 0.25 * float(level);
     return min(uint(max((kHighest - octaves) * 3.0, 0.0)), kCachePriorities - 1u);
 }

@@ -58,18 +58,21 @@ bool keep(uint slot, uint64_t key) {
 }
 
 void main() {
-    const uint here = gl_LocalInvocationIndex, i = cache_invocation();
+    const uint here = gl_LocalInvocationIndex, first = cache_invocation() / kCacheGroup * kCacheMaintained;
     class_count[here] = 0u;
     if (here == 0u) stay_count = born_count = died_count = rejected_count = 0u;
     barrier();
-    uint slot = kCacheNoSlot, place = 0u;
-    if (i < push.cache.v.live_before) {
-        slot = CacheWords(push.cache.v.lists[push.cache.v.list ^ 1u]).v[i];
+    uint slots[kCacheMaintained], places[kCacheMaintained];
+    for (uint k = 0u; k < kCacheMaintained; ++k) {
+        const uint i = (first + k) * kCacheGroup + here;
+        slots[k] = kCacheNoSlot;
+        if (i >= push.cache.v.live_before) continue;
+        const uint slot = CacheWords(push.cache.v.lists[push.cache.v.list ^ 1u]).v[i];
         const uint64_t key = CacheWords64(push.cache.v.keys).v[slot];
-        if (keep(slot, key)) {
-            place = atomicAdd(stay_count, 1u);
-            atomicAdd(class_count[cache_slot_class(push.cache, slot, key)], 1u);
-        } else slot = kCacheNoSlot;
+        if (!keep(slot, key)) continue;
+        slots[k] = slot;
+        places[k] = atomicAdd(stay_count, 1u);
+        atomicAdd(class_count[cache_slot_class(push.cache, slot, key)], 1u);
     }
     barrier();
     if (here == 0u) {
@@ -80,5 +83,6 @@ void main() {
     }
     if (class_count[here] != 0u) atomicAdd(push.cache.v.class_count[here], class_count[here]);
     barrier();
-    if (slot != kCacheNoSlot) CacheWords(push.cache.v.lists[push.cache.v.list]).v[first_place + place] = slot;
+    for (uint k = 0u; k < kCacheMaintained; ++k)
+        if (slots[k] != kCacheNoSlot) CacheWords(push.cache.v.lists[push.cache.v.list]).v[first_place + places[k]] = slots[k];
 }

@@ -10,7 +10,7 @@ layout(push_constant, scalar) uniform Push {
     Cache cache;
     Sizes sizes;
     CacheFrameData frame;
-    uint stage;               // kCacheBegin ...
+    uint stage;               // kCacheBegin ..., kCacheRound + number of the list
     uint tracing_group, row;  // invocations of a group of the tracing pass; most groups in one row
 } push;
 
@@ -38,7 +38,7 @@ void begin() {
     cache.v.born = cache.v.died = cache.v.rejected = cache.v.refused = 0u;
     cache.v.path_rays = cache.v.shadow_rays = 0u;
     for (uint i = 0u; i < kCachePriorities; ++i) cache.v.class_count[i] = 0u;
-    set_size(kCacheSizeMaintain, cache.v.live_before, kCacheGroup);
+    set_size(kCacheSizeMaintain, cache.v.live_before, kCacheGroup * kCacheMaintained);
 }
 
 // The shares min(1, k rate) that make the expected number of updates the capacity, less six standard deviations of it: which cells
@@ -61,12 +61,29 @@ void plan() {
     set_size(kCacheSizeSelect, cache.v.live, kCacheGroup);
 }
 
+// Of the paths that have a ray to trace.
+void plan_round(uint list) {
+    const uint count = push.cache.v.path_count[list];
+    push.cache.v.path_rays += count;
+    push.cache.v.path_count[list ^ 1u] = 0u;
+    set_size(kCacheSizeExtend, count, push.tracing_group);
+    set_size(kCacheSizeMeet, count, kCacheGroup);
+}
+
+void plan_updates() {
+    const uint count = min(push.cache.v.update_count, push.cache.v.update_capacity);
+    push.cache.v.update_count = push.cache.v.path_count[0] = count;
+    set_size(kCacheSizeUpdates, count, kCacheGroup);
+    set_size(kCacheSizeCandidates, count * kCacheLanes, kCacheGroup);
+    set_size(kCacheSizeConnect, count, push.tracing_group);
+    plan_round(0u);
+}
+
 void main() {
-    if (push.stage == kCacheBegin) begin();
-    else if (push.stage == kCachePlan) plan();
-    else {
-        push.cache.v.update_count = min(push.cache.v.update_count, push.cache.v.update_capacity);
-        set_size(kCacheSizeUpdate, push.cache.v.update_count, push.tracing_group);
-        set_size(kCacheSizeBlend, push.cache.v.update_count, kCacheGroup);
+    switch (push.stage) {
+        case kCacheBegin: begin(); break;
+        case kCachePlan: plan(); break;
+        case kCacheSelected: plan_updates(); break;
+        default: plan_round(push.stage & 1u);
     }
 }

@@ -1,4 +1,4 @@
-// A frame of the world cache: six short passes over lists, and the rays between them.
+// A frame of the world cache: short passes over lists, and the rays between them.
 #include <algorithm>
 #include <span>
 
@@ -17,8 +17,25 @@ struct PlanPush {
     shared::CacheFrameData frame;
     uint32_t stage, tracing_group, row;
 };
-struct UpdatePush {
-    uint64_t view, cache;
+struct SelectPush {
+    uint64_t cache, rays, paths;
+};
+struct CandidatesPush {
+    uint64_t cache, found, light_rays;
+};
+struct ExtendPush {
+    uint64_t cache, lists, rays, hits;
+    uint32_t round;
+};
+struct MeetPush {
+    uint64_t view, cache, lists, rays, paths, hits, found;
+    uint32_t round, rounds;
+};
+struct ConnectPush {
+    uint64_t view, cache, found, light_rays, passing;
+};
+struct BlendPush {
+    uint64_t cache, found, passing;
 };
 
 constexpr uint32_t kTracingGroup = 64;    // scene/trace.glsl
@@ -39,33 +56,123 @@ void plan(Frame& frame, gpu::TraceWay way, const LightCache& cache, const shared
         .over(1);
 }
 
-void over_cells(Frame& frame, const char* name, const LightCache& cache, uint32_t size) {
-    frame.compute(name).read_write("cache", cache.buffer()).push(CachePush{}).over_indirect(cache.sizes(), size * sizeof(shared::CacheSize));
+uint64_t size_at(uint32_t size) { return size * sizeof(shared::CacheSize); }
+
+void maintain(Frame& frame, const LightCache& cache) {
+    frame.compute("cache/maintain").read_write("cache", cache.buffer()).push(CachePush{}).over_indirect(cache.sizes(), size_at(shared::kCacheSizeMaintain));
+}
+
+void select(Frame& frame, const LightCache& cache) {
+    frame.compute("cache/select")
+        .read_write("cache", cache.buffer())
+        .write("rays", cache.updates().rays)
+        .write("paths", cache.updates().paths)
+        .push(SelectPush{})
+        .over_indirect(cache.sizes(), size_at(shared::kCacheSizeSelect));
+}
+
+void choose_lights(Frame& frame, const SceneGpu& scene, const LightCache& cache) {
+    frame.compute("cache/candidates")
+        .scene(scene.binding())
+        .read("cache", cache.buffer())
+        .write("found", cache.updates().found)
+        .write("light_rays", cache.updates().light_rays)
+        .push(CandidatesPush{})
+        .over_indirect(cache.sizes(), size_at(shared::kCacheSizeCandidates));
+}
+
+void extend(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const LightCache& cache, uint32_t round) {
+    frame.trace("cache/extend", way)
+        .scene(scene.binding())
+        .read("cache", cache.buffer())
+        .read("lists", cache.updates().lists)
+        .read("rays", cache.updates().rays)
+        .write("hits", cache.updates().hits)
+        .push(ExtendPush{.round = round})
+        .over_indirect(cache.sizes(), size_at(shared::kCacheSizeExtend));
+}
+
+void meet(Frame& frame, const SceneGpu& scene, const LightCache& cache, const gpu::Buffer& view, uint32_t round, uint32_t rounds) {
+    frame.compute("cache/meet", (scene.features() & shared::kSceneLayers) != 0 ? "+LAYERS" : "")
+        .scene(scene.binding())
+        .read("view", view)
+        .read_write("cache", cache.buffer())
+        .read_write("lists", cache.updates().lists)
+        .read_write("rays", cache.updates().rays)
+        .read_write("paths", cache.updates().paths)
+        .read("hits", cache.updates().hits)
+        .read_write("found", cache.updates().found)
+        .push(MeetPush{.round = round, .rounds = rounds})
+        .over_indirect(cache.sizes(), size_at(shared::kCacheSizeMeet));
+}
+
+void connect(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const LightCache& cache, const gpu::Buffer& view) {
+    frame.trace("cache/connect", way, (scene.features() & shared::kScenePanes) != 0 ? "+PANES" : "")
+        .scene(scene.binding())
+        .read("view", view)
+        .read("cache", cache.buffer())
+        .read("found", cache.updates().found)
+        .read("light_rays", cache.updates().light_rays)
+        .write("passing", cache.updates().passing)
+        .push(ConnectPush{})
+        .over_indirect(cache.sizes(), size_at(shared::kCacheSizeConnect));
 }
 
 }  // namespace
 
-void begin_cache(Frame& frame, gpu::TraceWay way, LightCache& cache, const CacheFrame& now) {
+shared::CacheFrameData begin_cache(Frame& frame, gpu::TraceWay way, LightCache& cache, const CacheFrame& now) {
     if (cache.take_empty()) clear(frame, cache);
     const shared::CacheFrameData data = cache.begin_frame(now.frame_index, now.seed, now.exposure, now.lights_changed);
     plan(frame, way, cache, data, shared::kCacheBegin);
-    over_cells(frame, "cache/maintain", cache, shared::kCacheSizeMaintain);
+    maintain(frame, cache);
     plan(frame, way, cache, data, shared::kCachePlan);
-    over_cells(frame, "cache/select", cache, shared::kCacheSizeSelect);
+    select(frame, cache);
     plan(frame, way, cache, data, shared::kCacheSelected);
+    return data;
 }
 
-void blend_cache(Frame& frame, const LightCache& cache) { over_cells(frame, "cache/blend", cache, shared::kCacheSizeBlend); }
+void blend_cache(Frame& frame, const LightCache& cache) {
+    frame.compute("cache/blend")
+        .read_write("cache", cache.buffer())
+        .read("found", cache.updates().found)
+        .read("passing", cache.updates().passing)
+        .push(BlendPush{})
+        .over_indirect(cache.sizes(), size_at(shared::kCacheSizeUpdates));
+}
+
+CacheUpdate::CacheUpdate(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, LightCache& cache, const CacheFrame& now)
+    : frame_(frame),
+      scene_(scene),
+      way_(way),
+      cache_(cache),
+      view_(now.view),
+      data_(begin_cache(frame, way, cache, now)),
+      rounds_((scene.features() & shared::kSceneLayers) != 0 ? shared::kCacheRoundsLayers : shared::kCacheRounds) {}
+
+void CacheUpdate::trace_first() {
+    choose_lights(frame_, scene_, cache_);
+    extend(frame_, scene_, way_, cache_, 0);
+}
+
+void CacheUpdate::meet_first() { meet(0); }
+
+void CacheUpdate::finish() {
+    for (uint32_t round = 1; round < rounds_; ++round) {
+        plan(frame_, way_, cache_, data_, shared::kCacheRound + (round & 1u));
+        extend(frame_, scene_, way_, cache_, round);
+        if (round == 1) connect(frame_, scene_, way_, cache_, view_);
+        meet(round);
+    }
+    blend_cache(frame_, cache_);
+}
+
+void CacheUpdate::meet(uint32_t round) { passes::meet(frame_, scene_, cache_, view_, round, rounds_); }
 
 void update_cache(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, LightCache& cache, const CacheFrame& now) {
-    begin_cache(frame, way, cache, now);
-    frame.trace("cache/update", way, (scene.features() & shared::kSceneLayers) != 0 ? "+LAYERS" : "")
-        .scene(scene.binding())
-        .read("view", now.view)
-        .read_write("cache", cache.buffer())
-        .push(UpdatePush{})
-        .over_indirect(cache.sizes(), shared::kCacheSizeUpdate * sizeof(shared::CacheSize));
-    blend_cache(frame, cache);
+    CacheUpdate update(frame, scene, way, cache, now);
+    update.trace_first();
+    update.meet_first();
+    update.finish();
 }
 
 }  // namespace parhelion::passes

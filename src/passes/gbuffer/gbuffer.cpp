@@ -11,7 +11,7 @@ struct IdentityPush {
     uint32_t frame_index;
 };
 struct SurfacesPush {
-    uint64_t view;
+    uint64_t view, block;
     uint32_t frame_index;
     float exposure;
 };
@@ -43,6 +43,7 @@ void summarise_surfaces(Frame& frame, const SceneGpu& scene, const Film& film, c
         .write("summary", gbuffer.summary)
         .write("motion", gbuffer.motion)
         .write("depth", gbuffer.depth)
+        .read_write("block", film.block)
         .push(SurfacesPush{.frame_index = frame_index, .exposure = exposure})
         .over(gbuffer.identity.extent());
 }

@@ -19,7 +19,7 @@ GBuffer make_gbuffer(const gpu::DevicePtr& device, gpu::Extent extent);
 // By one ray a pixel through its centre, and the lens.
 void trace_identity(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const Film& film, const GBuffer& gbuffer, uint32_t frame_index);
 
-// All the others from the identity. `exposure` is what the summary's emission is multiplied by.
+// All the others from the identity, and the film's layers of what is seen first (albedo, normal, emission, roughness). `exposure` is what the summary's emission is multiplied by.
 void summarise_surfaces(Frame& frame, const SceneGpu& scene, const Film& film, const GBuffer& gbuffer, uint32_t frame_index, float exposure);
 
 }  // namespace parhelion::passes

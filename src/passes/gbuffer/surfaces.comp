@@ -1,13 +1,16 @@
 #version 460
 // What others want to know of a pixel's surface without shading it: similarity tests, guides, views. Document 000's G-buffer, with the
 // geometric normal.
-// Reads: scene, view. Reads and writes: identity. Writes: summary, motion (previous minus current position, pixels), depth (reversed-Z).
+// Reads: scene, view. Reads and writes: identity, block (layers of what is seen first). Writes: summary, motion (previous minus current position,
+// pixels), depth (reversed-Z).
 // variants: LAYERS
 #extension GL_GOOGLE_include_directive : require
 #include "lib/octahedral.glsl"
 #include "lib/rgb9e5.glsl"
 #include "scene/begin_path.glsl"
+#include "scene/film.glsl"
 #include "scene/motion.glsl"
+#include "scene/vertex.glsl"
 #include "shared/realtime.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -18,6 +21,7 @@ layout(set = 1, binding = 3, r32f) uniform writeonly image2D depth;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ViewBlock { ViewData data; };
 layout(push_constant, scalar) uniform Push {
     ViewBlock view;
+    FilmBlock block;
     uint frame_index;
     float exposure;  // of the emission
 } push;
@@ -39,7 +43,10 @@ void main() {
     const ivec2 at = ivec2(id);
     const uvec4 which = imageLoad(identity, at);
     const PathState path = begin_path(view, PathKey(id, push.frame_index, view.seed));
+    FirstHit first = FirstHit(vec3(0.0), vec3(0.0), vec3(0.0), 0.0);
     if (which.x == kHitMiss) {
+        end_in_sky(view, path, first);
+        film_add_first_hit(push.block, view, id.y * view.width + id.x, first);
         imageStore(summary, at, uvec4(0u));
         imageStore(motion, at, vec4(sky_motion(view, path.ray.direction_ws), 0.0, 0.0));
         imageStore(depth, at, vec4(0.0));
@@ -50,6 +57,8 @@ void main() {
     const float side = s.front_facing ? 1.0 : -1.0;
     const float f0 = (p.ior - 1.0) / (p.ior + 1.0);
     const float reflectance = min(sqrt(f0 * f0 * p.specular / 0.16), 1.0);  // as f0 = 0.16 reflectance^2 has it
+    first = FirstHit(p.base_color, side * s.n_shading_ws, s.emission, p.roughness);
+    film_add_first_hit(push.block, view, id.y * view.width + id.x, first);
     imageStore(identity, at, uvec4(which.xyz, pack_direction(side * s.n_geometric_ws)));
     imageStore(summary, at, uvec4(packUnorm4x8(vec4(pow(p.base_color, vec3(1.0 / 2.2)), p.roughness)), pack_rgb9e5(s.emission * push.exposure),
                                   packUnorm4x8(vec4(reflectance, p.metallic, 0.0, 0.0)), pack_direction_24(side * s.n_shading_ws) << 8 | summary_flags(s)));

@@ -1,8 +1,9 @@
 #version 460
-// Shows the world cache at what pixels see, as a path that arrives there would find it.
+// Shows the world cache at what pixels see, as a path that arrives there in this frame would find it: a sample of the film shows one cell.
 // Reads: scene, view, identity. Reads and writes: cache (looked at only), block.
 // variants: LAYERS
 #extension GL_GOOGLE_include_directive : require
+#include "realtime/level_number.glsl"
 #include "scene/begin_path.glsl"
 #include "scene/cache.glsl"
 #include "scene/film.glsl"
@@ -28,10 +29,11 @@ void main() {
     if (id.x >= view.width || id.y >= view.height) return;
     const uvec4 which = imageLoad(identity, ivec2(id));
     if (which.x == kHitMiss) return;
-    const PathState path = begin_path(view, PathKey(id, push.frame_index, view.seed));
+    const PathKey key = PathKey(id, push.frame_index, view.seed);
+    const PathState path = begin_path(view, key);
     const Surface s = fetch_surface(Hit(which.x, which.y, which.z, 0u, 0.0), path.ray, path.cone);
     const float width = view.pixel_width + view.pixel_spread * s.t;
-    const CacheView cell = cache_look(push.cache, cache_point(s, -path.ray.direction_ws, cache_footprint(push.cache, width, width), 0.5));
+    const CacheView cell = cache_look(push.cache, cache_point(s, -path.ray.direction_ws, cache_footprint(push.cache, width, width), level_number(key, 0u)));
     const uint pixel = id.y * view.width + id.x;
     film_add(push.block, view, kFilmDebugCells, pixel, color_of(cell.id));
     film_add(push.block, view, kFilmDebugIrradiance, pixel, cell.irradiance / push.cache.v.exposure);

@@ -2,9 +2,10 @@
 // diffusely is what the cache knows; only what its other lobes scatter goes on. After Solari 0.20, with the specular part kept.
 #ifndef PARHELION_REALTIME_END_IN_CACHE_GLSL
 #define PARHELION_REALTIME_END_IN_CACHE_GLSL
+#include "realtime/level_number.glsl"
 #include "realtime/paths.glsl"
 #include "scene/cache.glsl"
-#include "scene/vertex.glsl"
+#include "scene/cache_share.glsl"
 
 // To a surface t metres on, and by the lobe of a density from there, which goes through the surface or not.
 void advance(inout Footprint f, float t) {
@@ -17,34 +18,13 @@ void spread(inout Footprint f, float pdf, bool through) {
     if (pdf > 0.0) f.cone.spread += min(0.5 * inversesqrt(pdf * kPi), kWidestSpread);
 }
 
-// Glass sends on what lies behind it, which the irradiance before it does not tell: paths never have to end there.
-bool may_end(Shading shading) {
-#ifdef LAYERS
-    return !has_glass(shading.bsdf);
-#else
-    return true;
-#endif
-}
-
-vec3 reflected_share(Shading shading, BsdfSample drawn, bool everything) {
-#ifdef LAYERS
-    if (is_layered(shading.bsdf) || has_glass(shading.bsdf)) return everything ? total(drawn.weight) : drawn.weight.diffuse;
-#endif
-    const Glossy base = shading.bsdf.base;
-    const vec2 place = glossy_table(base, shading.wo.z, shading.bsdf.tables);
-    const vec3 diffuse = diffuse_albedo(base, place);
-    return everything ? diffuse + single_albedo(base.glossy, place) + again_albedo(base, place) : diffuse;
-}
-
 // What the cache sends along the path from here; `last`: it must end here, so that all lobes count as diffuse ones. False: it may not end,
 // or nothing is known.
 bool end_in_cache(Cache cache, ViewData view, PathKey key, PathState path, Shading shading, VertexNumbers u, Footprint f, bool last, inout vec3 light) {
     if (!last && !f.broad) return false;
     const Surface s = shading.s;
-    const uint kCacheSalt = 0x43414348u;
-    const float u_level = uint_to_unit_float(hash_combine(alpha_key(key, path.path_class.bounce, kRayPath), kCacheSalt));
     // A cone that many lobes have widened is no measure of a small room: the last ray is.
-    const CachePoint at = cache_point(s, -path.ray.direction_ws, cache_footprint(cache, min(f.cone.width, 2.0 * s.t), view.pixel_width + view.pixel_spread * f.way), u_level);
+    const CachePoint at = cache_point(s, -path.ray.direction_ws, cache_footprint(cache, min(f.cone.width, 2.0 * s.t), view.pixel_width + view.pixel_spread * f.way), level_number(key, path.path_class.bounce));
     if (!last && path.travelled + s.t <= sqrt(3.0) * cache_cell_size(cache, at)) return false;
     vec3 irradiance;
     if (!cache_visit(cache, at, cache.v.life, irradiance)) return false;

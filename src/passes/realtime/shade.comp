@@ -75,7 +75,7 @@ void scatter_at(ViewData view, PathKey key, Shading shading, VertexNumbers u, in
     const uint bounce = path.path_class.bounce, next_key = alpha_key(key, bounce + 1u, kRayPath);
 #ifdef CACHE
     advance(footprint, path.travelled + shading.s.t);
-    const bool last = footprint.reflections >= push.frame.path_bounces && may_end(shading);
+    const bool last = footprint.reflections >= push.frame.path_bounces && may_end_in_cache(shading);
     const bool ended = bounce != 0u && end_in_cache(push.cache, view, key, path, shading, u, footprint, last, from_cache);
     float glossy_share = 1.0;
     if (ended && (last || !keep_glossy(path, shading, key, glossy_share))) return;
