@@ -40,8 +40,8 @@ CameraView camera_at(const CameraView& start, float distance, uint32_t frame) {
 }
 
 // A run with its own history, in step with others.
-struct Run {
-    Run(TruthStage& on, const ViewDesc& desc, const RealtimeOptions& options) : view(on.stage->frame.device(), desc), realtime(on.stage->frame.device(), view, options) {}
+struct Played {
+    Played(TruthStage& on, const ViewDesc& desc, const RealtimeOptions& options) : view(on.stage->frame.device(), desc), realtime(on.stage->frame.device(), view, options) {}
     View view;
     Realtime realtime;
 
@@ -77,7 +77,7 @@ TEST_P(RealtimeReconstruction, frames_of_a_moving_sequence_are_near_the_referenc
     RealtimeOptions raw = truth_options(on, true), plain = raw, builtin = raw;
     plain.reconstruction = plain_control();
     builtin.reconstruction = ReconstructionOptions();
-    std::array runs{Run(on, desc, raw), Run(on, desc, plain), Run(on, desc, builtin)};
+    std::array runs{Played(on, desc, raw), Played(on, desc, plain), Played(on, desc, builtin)};
     std::array<double, 3> flip{};
     for (uint32_t frame = 0; frame <= kLooks.back(); ++frame) {
         Scene& moving = on.stage->scene;
