@@ -4,7 +4,7 @@
 // reflection was seen, whichever agrees. Histories are short where the light of a tile and its neighbours has changed by more than noise.
 // Schied et al. 2017 (SVGF) for the means; Zhdan 2021 (ReBLUR) for virtual motion and the fast history; Schied et al. 2018 (A-SVGF) for the
 // idea to shorten histories by what changed, here told by a test of means.
-// Reads: view, identity, summary, motion, depth, signals (diffuse, specular, distances), the last frame's guide, light, state and tiles.
+// Reads: view, identity, summary, motion, depth, signals (diffuse, specular, distances), the last frame's guide, light and state, and changes.
 // Writes: guide, normals (geometric), light, state, tiles.
 #extension GL_GOOGLE_include_directive : require
 #include "lib/hash.glsl"
@@ -22,7 +22,6 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vie
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Noisy { PackedLight v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Words { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Pairs { uvec2 v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Tiles { ChangeTile v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer NewWords { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) writeonly buffer NewPairs { uvec2 v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer NewTiles { ChangeTile v[]; };
@@ -32,7 +31,7 @@ layout(push_constant, scalar) uniform Push {
     Words distances;
     Pairs guide_before, diffuse_before, specular_before;
     Words state_before;
-    Tiles tiles_before;
+    Words changes;
     NewPairs guide, diffuse_now, specular_now;
     NewWords normals, state;
     NewTiles tiles;
@@ -55,26 +54,17 @@ void load_light(ViewData view, uint i) {
     lit[i] = vec2(luminance(lit_diffuse[i]), luminance(lit_specular[i]));
 }
 
-// How sure it is that a signal's light has changed: its mean over the tiles around, against the history's mean there.
-float judge_change(float now, float before, float variance) {
-    const float change = abs(now - before), stands_out = change / max(sqrt(variance), 1e-12), share = change / max(max(now, before), 1e-12);
-    return smoothstep(push.frame.antilag, 2.0 * push.frame.antilag, stands_out) * smoothstep(0.1, 0.25, share);
-}
+// How sure it is that the signals' light has changed, between the tiles around.
 vec2 find_change(ViewData view, vec2 before_px) {
-    if (push.frame.antilag <= 0.0) return vec2(0.0);
-    const ivec2 tiles = (ivec2(view.width, view.height) + int(kChangeTile) - 1) / int(kChangeTile), middle = ivec2(floor(before_px / float(kChangeTile)));
-    vec3 diffuse = vec3(0.0), specular = vec3(0.0);
-    float count = 0.0;
-    for (int i = 0; i < 9; ++i) {
-        const ivec2 at = middle + ivec2(i % 3, i / 3) - 1;
-        if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, tiles))) continue;
-        const ChangeTile t = push.tiles_before.v[at.y * tiles.x + at.x];
-        diffuse += vec3(t.diffuse_now, t.diffuse_before, t.diffuse_variance);
-        specular += vec3(t.specular_now, t.specular_before, t.specular_variance);
-        count += t.count;
+    const ivec2 last = (ivec2(view.width, view.height) + int(kChangeTile) - 1) / int(kChangeTile) - 1;
+    const vec2 place = before_px / float(kChangeTile) - 0.5, f = fract(place);
+    vec2 sum = vec2(0.0);
+    for (int i = 0; i < 4; ++i) {
+        const ivec2 step = ivec2(i & 1, i >> 1), at = clamp(ivec2(floor(place)) + step, ivec2(0), last);
+        const vec2 weights = mix(1.0 - f, f, vec2(step));
+        sum += weights.x * weights.y * unpackHalf2x16(push.changes.v[at.y * (last.x + 1) + at.x]);
     }
-    if (count < 16.0) return vec2(0.0);
-    return vec2(judge_change(diffuse.x, diffuse.y, diffuse.z), judge_change(specular.x, specular.y, specular.z));
+    return sum;
 }
 
 float blend_hit(float before, float now) { return now <= 0.0 ? before : before <= 0.0 ? now : mix(before, now, 0.25); }

@@ -60,7 +60,7 @@ void filter_around(ViewData view, ivec2 middle, uint pixel, Guide here, inout ve
     const vec2 size = vec2(view.width, view.height);
     const vec3 position = place(view.camera, vec2(middle) + 0.5 + push.jitter, size, here.depth), normal = unpack_direction(push.normals.v[pixel]);
     const vec2 reach = reach_px(here, unpackHalf2x16(push.state.v[kStateHits * view.width * view.height + pixel]), pixel_size(view, here.depth));
-    const vec2 wide = clamp(vec2(reach.x, max(reach.y, 1.5)) / float(push.stride), vec2(0.0), vec2(1.0));
+    const vec2 wide = clamp(2.0 * vec2(reach.x, max(reach.y, 1.5)) / float(push.stride) - 1.0, vec2(0.0), vec2(1.0));
     if (all(lessThan(wide, vec2(0.05)))) return;
     const float lobe = lobe_tangent(here.roughness), facing = 1.0 / (lobe * lobe + 2e-4);
     Sum d = Sum(vec4(diffuse.rgb, diffuse.a * diffuse.a), 1.0), s = Sum(vec4(specular.rgb, specular.a * specular.a), 1.0);

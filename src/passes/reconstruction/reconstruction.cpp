@@ -7,8 +7,13 @@ namespace parhelion::passes {
 namespace {
 
 struct AccumulatePush {
-    uint64_t view, diffuse, specular, distances, guide_before, diffuse_before, specular_before, state_before, tiles_before, guide, diffuse_now, specular_now, normals, state, tiles;
+    uint64_t view, diffuse, specular, distances, guide_before, diffuse_before, specular_before, state_before, changes, guide, diffuse_now, specular_now, normals, state, tiles;
     shared::ReconstructionFrame frame;
+};
+struct ChangePush {
+    uint64_t tiles, changes;
+    glm::uvec2 size;
+    float antilag;
 };
 struct SettlePush {
     uint64_t view, guide, state, diffuse, specular, diffuse_out, specular_out;
@@ -28,22 +33,34 @@ struct AntialiasPush {
     uint32_t has_history, frame_index;
 };
 
+gpu::Extent tiles_of(gpu::Extent rendered) {
+    const auto tiles = [](uint32_t length) { return (length + shared::kChangeTile - 1) / shared::kChangeTile; };
+    return {tiles(rendered.width), tiles(rendered.height)};
+}
+
 }  // namespace
 
 ReconstructionHistory make_reconstruction_history(const gpu::DevicePtr& device, gpu::Extent rendered, gpu::Extent picture) {
     const uint64_t pixels = uint64_t{rendered.width} * rendered.height;
-    const auto tiles = [](uint32_t length) { return uint64_t{(length + shared::kChangeTile - 1) / shared::kChangeTile}; };
+    const gpu::Extent tiles = tiles_of(rendered);
     const auto buffer = [&](const char* name, uint64_t bytes) { return gpu::Buffer(device, name, bytes); };
     return {.diffuse = buffer("reconstruction/diffuse", 8 * pixels),
             .specular = buffer("reconstruction/specular", 8 * pixels),
             .state = buffer("reconstruction/state", shared::kStatePlanes * sizeof(uint32_t) * pixels),
             .guide = buffer("reconstruction/guide", 8 * pixels),
-            .tiles = buffer("reconstruction/tiles", tiles(rendered.width) * tiles(rendered.height) * sizeof(shared::ChangeTile)),
+            .tiles = buffer("reconstruction/tiles", uint64_t{tiles.width} * tiles.height * sizeof(shared::ChangeTile)),
             .picture = gpu::Image(device, "reconstruction/picture", {.format = gpu::Format::Rgba16Float, .extent = picture})};
 }
 
 void accumulate_light(const ReconstructionPass& pass) {
     const ReconstructionInput& in = pass.input;
+    const gpu::Extent tiles = tiles_of(in.gbuffer.identity.extent());
+    const gpu::Buffer changes = pass.frame.buffer("reconstruction/changes", uint64_t{tiles.width} * tiles.height * sizeof(uint32_t));
+    pass.frame.compute("reconstruction/change")
+        .read("tiles", pass.before.tiles)
+        .write("changes", changes)
+        .push(ChangePush{.size = {tiles.width, tiles.height}, .antilag = pass.settings.has_history != 0 ? pass.settings.antilag : 0.0f})
+        .over(tiles);
     pass.frame.compute("reconstruction/accumulate")
         .read("view", in.film.view)
         .read("identity", in.gbuffer.identity)
@@ -57,7 +74,7 @@ void accumulate_light(const ReconstructionPass& pass) {
         .read("diffuse_before", pass.before.diffuse)
         .read("specular_before", pass.before.specular)
         .read("state_before", pass.before.state)
-        .read("tiles_before", pass.before.tiles)
+        .read("changes", changes)
         .write("guide", pass.now.guide)
         .write("diffuse_now", pass.now.diffuse)
         .write("specular_now", pass.now.specular)
