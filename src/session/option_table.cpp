@@ -53,12 +53,10 @@ const OptionSpec kOptions[] = {
      .help = "EV100 of the PNG; scene: metered by a small probe, printed and recorded", .choices = "scene", .min = -32, .max = 32},
     {.name = "--tonemap", .section = "Picture", .commands = kDraw | kMerge, .kind = ValueKind::Choice, .value = "NAME", .fallback = "agx",
      .help = "tone curve of the PNG", .choices = "agx|aces|linear"},
-    {.name = "--denoise", .section = "Picture", .commands = kRender, .kind = ValueKind::Choice, .value = "NAME", .fallback = "none",
-     .help = "remove noise: builtin, of the realtime renderer's frames, with those before them; oidn, of every picture that is written, by "
-             "Open Image Denoise 2 (PARHELION_OIDN)",
+    {.name = "--denoise", .section = "Picture", .commands = kDraw, .kind = ValueKind::Choice, .value = "NAME", .fallback = "none",
+     .help = "remove noise: builtin, of the realtime renderer's frames, with those before them; oidn, of every picture that is shown or "
+             "written, by Open Image Denoise 2 (PARHELION_OIDN)",
      .choices = "none|builtin|oidn"},
-    {.name = "--denoise", .section = "Picture", .commands = kView, .kind = ValueKind::Choice, .value = "NAME", .fallback = "none",
-     .help = "remove noise: builtin, of the realtime renderer's frames, with those before them", .choices = "none|builtin|oidn", .absent_choices = "oidn"},
     {.name = "--upscale", .section = "Picture", .commands = kRender, .kind = ValueKind::Number, .value = "X",
      .help = "render smaller by this factor and reconstruct", .min = 1, .max = 4, .bits = kAbsent, .renderers = kRealtime,
      .instead = kRealtimeOnly},

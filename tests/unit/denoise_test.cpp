@@ -1,34 +1,21 @@
 // Open Image Denoise as a library that is there or not: with a stand-in (tests/stubs/oidn.cpp), which shows what it was given.
 #include "image/denoise.h"
 
-#include <cstdlib>
 #include <algorithm>
+#include <chrono>
 #include <optional>
+#include <thread>
 
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "session/async_denoiser.h"
 #include "session/pictures.h"
+#include "support/environment.h"
 #include "support/process.h"
 
 namespace parhelion::testing {
 namespace {
-
-// An environment variable for as long as a test runs; nullptr: unset.
-class Environment {
-public:
-    Environment(const char* name, const char* value) : name_(name) {
-        if (const char* old = std::getenv(name)) before_ = old;
-        value ? setenv(name, value, 1) : unsetenv(name);
-    }
-    ~Environment() { before_ ? setenv(name_, before_->c_str(), 1) : unsetenv(name_); }
-    Environment(const Environment&) = delete;
-    Environment& operator=(const Environment&) = delete;
-
-private:
-    const char* name_;
-    std::optional<std::string> before_;
-};
 
 image::ImageF picture() {
     image::ImageF out = image::make_image(3, 2, {"R", "G", "B", "albedo.R", "albedo.G", "albedo.B", "normal.X", "normal.Y", "normal.Z", "roughness"});
@@ -125,6 +112,55 @@ TEST(Denoiser, what_fails_in_the_library_is_one_line_and_the_picture_stays_as_it
     }
     const Environment fails("STUB_FAILS", "device");
     expect_in(failure(), {PARHELION_OIDN_STUB, "cannot use this CPU", "this machine is not good enough"});
+}
+
+// A film whose picture has R = `red` in its one pixel.
+FilmCopy film(float red) {
+    FilmCopy out{.sums = image::make_film(1, 1, {"R", "G", "B", "albedo.R", "albedo.G", "albedo.B", "normal.X", "normal.Y", "normal.Z"}, 0, 2), .samples_of_rows = {2}};
+    out.sums.add_block(0, 0, 2 * red);
+    return out;
+}
+
+// What is handed out by the time that nothing runs any more.
+std::optional<image::ImageF> wait_for(AsyncDenoiser& denoiser) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (!denoiser.is_idle() && std::chrono::steady_clock::now() < end) {
+        if (auto picture = denoiser.take()) return picture;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    EXPECT_TRUE(denoiser.is_idle()) << "it never ends";
+    return std::nullopt;
+}
+
+TEST(AsyncDenoiser, a_picture_is_handed_out_once_and_never_after_its_generation) {
+    const Environment library("PARHELION_OIDN", PARHELION_OIDN_STUB);
+    AsyncDenoiser denoiser;
+    EXPECT_TRUE(denoiser.is_idle());
+    EXPECT_FALSE(denoiser.take());
+    denoiser.start(film(4));
+    const auto first = wait_for(denoiser);
+    ASSERT_TRUE(first);
+    EXPECT_EQ(value(*first, "R", 0), 2.0f);
+    EXPECT_TRUE(denoiser.is_idle());
+    EXPECT_FALSE(denoiser.take());
+    denoiser.start(film(6));
+    denoiser.discard();
+    EXPECT_FALSE(wait_for(denoiser)) << "it shows what is no more";
+    denoiser.start(film(8));
+    const auto next = wait_for(denoiser);
+    ASSERT_TRUE(next);
+    EXPECT_EQ(value(*next, "R", 0), 4.0f);
+}
+
+TEST(AsyncDenoiser, a_failure_is_thrown_where_the_picture_would_be_taken_unless_it_is_discarded) {
+    const Environment library("PARHELION_OIDN", PARHELION_OIDN_STUB), fails("STUB_FAILS", "memory");
+    AsyncDenoiser denoiser;
+    denoiser.start(film(4));
+    EXPECT_THROW(wait_for(denoiser), Error);
+    EXPECT_TRUE(denoiser.is_idle());
+    denoiser.start(film(4));
+    denoiser.discard();
+    EXPECT_NO_THROW(EXPECT_FALSE(wait_for(denoiser)));
 }
 
 }  // namespace parhelion::testing
