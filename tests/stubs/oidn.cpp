@@ -2,10 +2,12 @@
 //     guides alone     are moved up by a 64th, so that prefiltered ones are known
 //     colours          R becomes half of itself, G the first guide's first value, B the second guide's second
 // It refuses (kInvalid) anything but the documented order of calls. STUB_FAILS=device, memory or filter makes it fail; STUB_IS_VERSION_1
-// leaves out what only version 2 has.
+// leaves out what only version 2 has. STUB_SECONDS is how long a filter takes.
+#include <chrono>
 #include <cstdlib>
 #include <map>
 #include <string>
+#include <thread>
 
 namespace {
 
@@ -73,6 +75,7 @@ void oidnSetFilterBool(Filter* filter, const char* name, bool value) { filter->f
 void oidnCommitFilter(Filter* filter) { filter->committed = true; }
 
 void oidnExecuteFilter(Filter* filter) {
+    if (const char* seconds = std::getenv("STUB_SECONDS")) std::this_thread::sleep_for(std::chrono::duration<double>(std::atof(seconds)));
     if (fails("memory")) return set_error(filter->device, kOutOfMemory, "out of memory");
     if (fails("filter")) return set_error(filter->device, kUnknown, "something\nunexpected");
     const auto& images = filter->images;

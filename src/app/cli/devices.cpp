@@ -118,12 +118,12 @@ Json denoiser_json() {
         const image::Denoiser denoiser;
         return {{"version", denoiser.version()}, {"library", denoiser.library()}};
     } catch (const Error& error) {
-        return {{"missing", error.line}};
+        return {{"missing", fmt::format("{} ({})", error.problem, error.hint)}};
     }
 }
 
 std::string denoiser_text(const Json& denoiser) {
-    if (denoiser.contains("missing")) return fmt::format("--denoise oidn cannot be used: {}\n", denoiser["missing"].get<std::string>());
+    if (denoiser.contains("missing")) return fmt::format("--denoise oidn has no library: {}\n", denoiser["missing"].get<std::string>());
     return fmt::format("--denoise oidn takes Open Image Denoise {} ({})\n", denoiser["version"].get<std::string>(), escape_name(denoiser["library"].get<std::string>()));
 }
 
