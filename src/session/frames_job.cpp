@@ -170,7 +170,7 @@ void FramesJob::write(uint64_t frame) {
     if (sequence())
         for (std::filesystem::path& file : output.files) file = frame_file(file, frame);
     const std::vector<uint64_t> counts(options_.size.height, samples.end - samples.begin);
-    write_pictures(output, resolve_rows(sums_of(view_->read_film(*frame_), samples), counts));
+    write_pictures(output, picture_of(samples, counts));
     report_.written = options_.output.files;
     ++pictures_;
 }

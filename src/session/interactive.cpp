@@ -51,6 +51,7 @@ Interactive::Interactive(const RenderOptions& options, gpu::DevicePtr device) : 
     trace_ = decide_trace(device_->caps(), options_.trace, settings_.node_layout);
     check_reference({.texture_lod = settings_.texture_lod, .shade_in = settings_.shade_in}, trace_.way == gpu::TraceWay::Pipeline);
     make_drawer(options_.renderer, settings_);
+    if (options_.denoise == DenoiseKind::Oidn) denoiser_ = std::make_unique<AsyncDenoiser>();
     show = {.exposure_ev = options_.exposure_ev.value_or(0), .curve = options_.output.tonemap};
     meter_ = !options_.exposure_ev;
     if (!options_.aovs.empty()) layer_ = options_.aovs.front();
@@ -115,6 +116,9 @@ void Interactive::clear() {
     if (!view_) return;
     view_->clear_film();
     drawer_->restart();
+    if (denoiser_) denoiser_->discard();
+    denoised_ = {};
+    denoised_samples_ = 0;
     preview_samples_ = 0;
     fresh_ = true;
 }
@@ -193,7 +197,7 @@ uint64_t Interactive::samples() const {
 }
 
 bool Interactive::is_finished() const {
-    return loaded_ && !is_loading() && progress_.complete && !play && !meter_ && !is_saving() && samples() >= options_.samples.end;
+    return loaded_ && !is_loading() && progress_.complete && !play && !meter_ && !is_saving() && samples() >= options_.samples.end && is_denoised();
 }
 
 // ---- a frame ----
@@ -213,6 +217,7 @@ gpu::Image Interactive::record() {
     take_loaded();
     play_scene();
     if (!to_save_.empty() && samples() > 0) write_picture();
+    if (denoiser_) denoise();
     if (scene_gpu_) progress_ = scene_gpu_->update(*frame_);
     if (progress_.drawable) draw();
     if (!picture_) {
@@ -237,6 +242,13 @@ void Interactive::draw() {
     if (preview_factor_ > 1 && preview_samples_ < kPreviewSamples) return draw_preview();
     drawer_->set_exposure(static_cast<float>(image::exposure_scale_from_ev100(show.exposure_ev)));
     drawer_->record(*frame_, *scene_gpu_, trace_.way, *view_);
+    if (denoiser_) take_denoised();
+    // A newer noisy picture does not take its place: the next one without noise does.
+    if (denoised_) {
+        if (fresh_ || show != shown_with_) show_denoised();
+        fresh_ = false;
+        return;
+    }
     // Until every pixel has a sample the preview is shown.
     if (const FilmRows rows = drawer_->rows(); rows.samples > 0 && is_due(rows)) {
         show_film(*view_, rows);
@@ -292,6 +304,41 @@ void Interactive::show_film(const View& view, const FilmRows& rows) {
     shown_at_ = std::chrono::steady_clock::now();
 }
 
+// ---- without noise ----
+
+bool Interactive::is_denoised() const { return !denoiser_ || !layer_.empty() || (denoised_samples_ >= options_.samples.end && denoiser_->is_idle()); }
+
+// A film is given away when it has twice the samples of the one before, and when it is finished.
+void Interactive::denoise() {
+    const uint64_t have = samples(), wanted = std::min(std::max<uint64_t>(1, 2 * denoised_samples_), options_.samples.end);
+    if (!layer_.empty() || !denoiser_->is_idle() || have < wanted || have == denoised_samples_) return;
+    denoised_samples_ = have;
+    denoiser_->start(copy_film());
+}
+
+void Interactive::take_denoised() {
+    try {
+        const std::optional<image::ImageF> picture = denoiser_->take();
+        if (!picture) return;
+        const image::RgbPlanes colours = image::rgb_planes(*picture);
+        std::vector<float> texels(4 * picture->pixel_count(), 1.0f);
+        for (size_t i = 0; i < picture->pixel_count(); ++i) texels[4 * i] = colours.r[i], texels[4 * i + 1] = colours.g[i], texels[4 * i + 2] = colours.b[i];
+        denoised_ = gpu::Image(device_, "view/denoised", {.format = gpu::Format::Rgba32Float, .extent = extent_of(options_.size)});
+        frame_->upload_image(denoised_, std::as_bytes(std::span(texels)));
+        fresh_ = true;
+    } catch (const Error& error) {
+        note_ = error.line;  // the noisy picture stays
+        log_line(LogLevel::Error, error.line);
+    }
+}
+
+void Interactive::show_denoised() {
+    picture_ = frame_->image("view/picture", denoised_.extent(), gpu::Format::Rgba8Unorm);
+    passes::tonemap(*frame_, denoised_, picture_, static_cast<float>(image::exposure_scale_from_ev100(show.exposure_ev)), static_cast<passes::ToneCurve>(show.curve));
+    shown_with_ = show;
+    shown_at_ = std::chrono::steady_clock::now();
+}
+
 void Interactive::finish() {
     frame_->run();
     const auto now = std::chrono::steady_clock::now();
@@ -309,7 +356,7 @@ void Interactive::finish() {
 void Interactive::save_picture(const std::vector<std::filesystem::path>& files) { to_save_ = files; }
 
 // The film goes on as if nothing had happened: its last block is ended on a copy.
-void Interactive::write_picture() {
+FilmCopy Interactive::copy_film() {
     const FilmRows rows = drawer_->rows();
     const passes::Film& film = view_->film();
     const gpu::Buffer block(device_, "film/kept_block", film.block.bytes()), sums(device_, "film/kept_sums", film.sums.bytes());
@@ -319,14 +366,20 @@ void Interactive::write_picture() {
     FilmReadback read = view_->read_film(*frame_);
     frame_->copy(block, 0, film.block, 0, film.block.bytes());
     frame_->copy(sums, 0, film.sums, 0, film.sums.bytes());
+    const uint64_t hash = hash_render(loaded_->scene, view_->desc(), settings_);
+    std::vector<uint64_t> counts(options_.size.height, rows.samples);
+    std::fill_n(counts.begin(), rows.rows_ahead, rows.samples_ahead);
+    return {make_film_sums(std::move(read), options_.size, {0, rows.samples}, film_attributes(hash, show.exposure_ev)), std::move(counts)};
+}
+
+void Interactive::write_picture() {
+    const FilmCopy film = copy_film();
     OutputOptions output{.files = std::exchange(to_save_, {}), .exr_float = options_.output.exr_float, .tonemap = show.curve};
     try {
-        const uint64_t hash = hash_render(loaded_->scene, view_->desc(), settings_);
-        const image::FilmSums sums_of_all = make_film_sums(std::move(read), options_.size, {0, rows.samples}, film_attributes(hash, show.exposure_ev));
-        std::vector<uint64_t> counts(options_.size.height, rows.samples);
-        std::fill_n(counts.begin(), rows.rows_ahead, rows.samples_ahead);
-        write_pictures(output, resolve_rows(sums_of_all, counts));
-        note_ = fmt::format("{} samples written to", rows.samples);
+        image::ImageF picture = resolve_rows(film.sums, film.samples_of_rows);
+        if (denoiser_) denoise_picture(image::Denoiser(), options_.aovs, false, picture);
+        write_pictures(output, picture);
+        note_ = fmt::format("{} samples written to", film.sums.sample_end);
         for (const std::filesystem::path& file : output.files) note_ += " " + escape_name(file.string());
         log(LogLevel::Info, "{}", note_);
     } catch (const Error& error) {

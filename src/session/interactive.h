@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "renderers/renderer.h"
+#include "session/async_denoiser.h"
 #include "session/job.h"
 #include "session/steered_camera.h"
 #include "session/view_drawer.h"
@@ -73,6 +74,7 @@ public:
     void reload();                                // the scene's file, in the background; the old one is drawn until it is there
     void meter() { meter_ = true; }               // sets the exposure from the scene
     void save_picture(const std::vector<std::filesystem::path>& files);  // as `parhelion render`, once every pixel has the same samples
+    bool shows_denoised() const { return bool(denoised_); }  // --denoise oidn: the newest picture is without noise
     bool is_saving() const { return !to_save_.empty(); }
 
     ShowOptions show;  // the exposure is metered once the scene is there, unless the options give one
@@ -98,7 +100,12 @@ private:
     bool is_due(const FilmRows& rows) const;
     void show_film(const View& view, const FilmRows& rows);
     uint32_t preview_factor() const;
+    FilmCopy copy_film();
     void write_picture();
+    void denoise();
+    bool is_denoised() const;
+    void take_denoised();
+    void show_denoised();
 
     RenderOptions options_;
     RenderSettings settings_;
@@ -119,6 +126,10 @@ private:
     ShowOptions shown_with_;
     std::chrono::steady_clock::time_point shown_at_;
     bool fresh_ = true;  // no picture of this film has been shown
+    // --denoise oidn: of the beauty, beside what is drawn.
+    std::unique_ptr<AsyncDenoiser> denoiser_;
+    uint64_t denoised_samples_ = 0;  // of the newest film that was given to it
+    gpu::Image denoised_;            // its newest picture of this film, in nits
     std::string layer_;
     gpu::Image picture_;  // the newest, in its own size
     bool meter_ = false;

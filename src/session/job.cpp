@@ -171,7 +171,7 @@ void Job::write_picture() {
     }
     std::vector<uint64_t> counts = slicer_->samples_of_rows();
     for (uint64_t& count : counts) count -= options_.samples.begin;
-    write_pictures(options_.output, resolve_rows(sums_of(view_->read_film(*frame_), {options_.samples.begin, report_.finished_end}), counts));
+    write_pictures(options_.output, picture_of({options_.samples.begin, report_.finished_end}, counts));
     report_.written = options_.output.files;
 }
 

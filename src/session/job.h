@@ -48,6 +48,8 @@ struct RenderReport {
     uint64_t frame_samples = 1; // of each frame that was played
     double load_seconds = 0, setup_seconds = 0, render_seconds = 0;
     double gpu_seconds = 0;  // of render_seconds, what the GPU took for the frames, between their passes too; 0: the device has no timers
+    std::string denoiser;        // name and version of a library that took noise out of the pictures; empty: none did
+    double denoise_seconds = 0;  // of all pictures
     double exposure_ev = 0;
     bool exposure_metered = false;
     uint32_t max_bounces = 0;

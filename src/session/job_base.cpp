@@ -9,6 +9,7 @@
 #include "scene/load.h"
 #include "session/film_state.h"
 #include "session/metering.h"
+#include "session/pictures.h"
 #include "session/progress.h"
 #include "session/scene_setup.h"
 #include "session/view_setup.h"
@@ -41,6 +42,7 @@ JobBase::JobBase(const RenderOptions& options, gpu::DevicePtr device)
 
 void JobBase::prepare() {
     check_targets(options_);
+    if (options_.denoise == DenoiseKind::Oidn) denoiser_.emplace();
     check_way(options_.trace == TraceChoice::Auto || options_.trace == TraceChoice::Pipeline);
     load();
     open_device();
@@ -168,6 +170,16 @@ void JobBase::draw(const shared::Slice& slice, bool ends_range) {
 
 image::FilmSums JobBase::sums_of(FilmReadback film, IndexRange samples) const {
     return make_film_sums(std::move(film), options_.size, samples, film_attributes(report_.settings_hash, report_.exposure_ev));
+}
+
+image::ImageF JobBase::picture_of(IndexRange samples, std::span<const uint64_t> samples_of_rows) {
+    image::ImageF picture = resolve_rows(sums_of(view_->read_film(*frame_), samples), samples_of_rows);
+    if (!denoiser_) return picture;
+    const auto begin = Clock::now();
+    denoise_picture(*denoiser_, options_.aovs, options_.keep_noisy, picture);
+    report_.denoiser = picture.attributes.at(kDenoiserAttribute);
+    report_.denoise_seconds += seconds_since(begin);
+    return picture;
 }
 
 void JobBase::finish_report() {

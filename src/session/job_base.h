@@ -4,8 +4,10 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string_view>
 
+#include "image/denoise.h"
 #include "image/film.h"
 #include "renderers/wavefront.h"
 #include "scene/builtin.h"
@@ -43,6 +45,8 @@ protected:
     bool is_interrupted() const { return report_.interrupt != platform::Interrupt::None; }
     bool is_out_of_time() const { return options_.time_budget_seconds && seconds_since(began_) >= *options_.time_budget_seconds; }
     image::FilmSums sums_of(FilmReadback film, IndexRange samples) const;
+    // The picture of so many samples in every row, denoised where that was asked for.
+    image::ImageF picture_of(IndexRange samples, std::span<const uint64_t> samples_of_rows);
     void finish_report();
 
     const RenderOptions& options_;
@@ -57,6 +61,7 @@ protected:
     std::unique_ptr<Frame> frame_;
     std::unique_ptr<View> view_;
     std::optional<Wavefront> wavefront_;  // where it is what draws
+    std::optional<image::Denoiser> denoiser_;  // where pictures go through it
     RenderReport report_;
 
 private:

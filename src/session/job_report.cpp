@@ -81,6 +81,7 @@ Json report_json(const RenderReport& report) {
             {"seconds", report.render_seconds},
             {"gpu_seconds", report.gpu_seconds},
             {"trace_seconds", report.trace_seconds()},
+            {"denoise", report.denoiser.empty() ? Json() : Json{{"by", report.denoiser}, {"seconds", report.denoise_seconds}}},
             {"rays", {{"path", report.rays.path}, {"shadow", report.rays.shadow}}},
             {"mrays_per_s", report.mega_rays_per_second()},
             {"mega_samples_per_s", report.mega_samples_per_second()},

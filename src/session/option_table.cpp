@@ -54,7 +54,9 @@ const OptionSpec kOptions[] = {
     {.name = "--tonemap", .section = "Picture", .commands = kDraw | kMerge, .kind = ValueKind::Choice, .value = "NAME", .fallback = "agx",
      .help = "tone curve of the PNG", .choices = "agx|aces|linear"},
     {.name = "--denoise", .section = "Picture", .commands = kDraw, .kind = ValueKind::Choice, .value = "NAME", .fallback = "none",
-     .help = "remove noise: builtin, of the realtime renderer's frames, with those before them", .choices = "none|builtin|oidn", .absent_choices = "oidn"},
+     .help = "remove noise: builtin, of the realtime renderer's frames, with those before them; oidn, of every picture that is shown or "
+             "written, by Open Image Denoise 2 (PARHELION_OIDN)",
+     .choices = "none|builtin|oidn"},
     {.name = "--upscale", .section = "Picture", .commands = kRender, .kind = ValueKind::Number, .value = "X",
      .help = "render smaller by this factor and reconstruct", .min = 1, .max = 4, .bits = kAbsent, .renderers = kRealtime,
      .instead = kRealtimeOnly},
@@ -123,8 +125,9 @@ const OptionSpec kOptions[] = {
      .choices = "albedo|normal|emission|roughness|path.emission|path.direct_diffuse|path.direct_specular|path.indirect_diffuse|"
                 "path.indirect_specular|path.transmission|debug.cells|debug.irradiance|debug.level|debug.count|debug.age|debug.life|debug.light|debug.rays"},
     {.name = "--aov", .section = "Output", .commands = kRender, .kind = ValueKind::List, .value = "LIST",
-     .help = "further layers of the EXR, separated by commas; path.* and debug.* (realtime) stand for all of a group",
-     .choices = "albedo|normal|emission|roughness|depth|ids|motion|variance|path.emission|path.direct_diffuse|path.direct_specular|"
+     .help = "further layers of the EXR, separated by commas; path.* and debug.* (realtime) stand for all of a group; noisy is the picture "
+             "before --denoise oidn",
+     .choices = "albedo|normal|emission|roughness|depth|ids|motion|variance|noisy|path.emission|path.direct_diffuse|path.direct_specular|"
                 "path.indirect_diffuse|path.indirect_specular|path.transmission|"
                 "debug.cells|debug.irradiance|debug.level|debug.count|debug.age|debug.life|debug.light|debug.rays"},
     {.name = "--checkpoint", .section = "Output", .commands = kRender, .kind = ValueKind::File, .value = "F",
@@ -284,6 +287,7 @@ constexpr NamedHelp kEnvironment[] = {
     {"PARHELION_DEVICE", "device, as --device"},
     {"PARHELION_LOG", "trace, debug, info (default), warn, error or off"},
     {"PARHELION_CACHE_DIR", "folder of the pipeline caches and of what devices --measure found (default: the user's cache folder)"},
+    {"PARHELION_OIDN", "the library of --denoise oidn (default: libOpenImageDenoise.so.2, where the system looks for libraries)"},
     {"NO_COLOR", "no colours on the terminal"},
     {"PARHELION_MASK", "for tests: what devices are taken not to have, a list: pipeline and query (ways to trace), raster, draw_count (draws of a counted length)"},
     {"PARHELION_SHADER_DIR", "for tests: a folder with a shaders.pack that replaces the embedded one"},

@@ -1,5 +1,7 @@
 #include "session/pictures.h"
 
+#include <algorithm>
+
 #include "base/error.h"
 #include "base/log.h"
 #include "image/encode.h"
@@ -10,6 +12,33 @@ image::ImageF resolve_rows(const image::FilmSums& film, std::span<const uint64_t
     image::ImageF picture = image::resolve_film(film, samples_of_rows);
     picture.attributes[kSamplesAttribute] = fmt::format("{}", film.sample_end - film.sample_begin);
     return picture;
+}
+
+namespace {
+
+void remove_layer(std::string_view layer, image::ImageF& picture) {
+    const std::string prefix = std::string(layer) + ".";
+    for (size_t c = picture.channels.size(); c-- > 0;) {
+        if (!picture.channels[c].starts_with(prefix)) continue;
+        const auto begin = picture.data.begin() + static_cast<std::ptrdiff_t>(c * picture.pixel_count());
+        picture.data.erase(begin, begin + static_cast<std::ptrdiff_t>(picture.pixel_count()));
+        picture.channels.erase(picture.channels.begin() + static_cast<std::ptrdiff_t>(c));
+    }
+}
+
+}  // namespace
+
+void denoise_picture(const image::Denoiser& denoiser, std::span<const std::string> aovs, bool keep_noisy, image::ImageF& picture) {
+    if (keep_noisy) {
+        for (const char* name : {"R", "G", "B"}) {
+            const auto copy = picture.add_channel(fmt::format("noisy.{}", name));
+            std::ranges::copy(picture.plane(picture.find_channel(name).value()), copy.begin());
+        }
+    }
+    denoiser.denoise(picture);
+    for (const std::string_view guide : kGuideLayers)
+        if (std::ranges::find(aovs, guide) == aovs.end()) remove_layer(guide, picture);
+    picture.attributes[kDenoiserAttribute] = fmt::format("Open Image Denoise {}", denoiser.version());
 }
 
 void write_pictures(const OutputOptions& output, const image::ImageF& picture) {

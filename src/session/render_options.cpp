@@ -127,6 +127,12 @@ void check_debug_layers(const RenderOptions& options, std::string_view where) {
         if (aov.starts_with("debug.")) throw Error(ErrorCode::Usage, fmt::format("{} shows what the realtime renderer does", aov), std::string(where), "add --renderer realtime");
 }
 
+// The layer "noisy" is not of the film: it is what the film's picture was.
+void read_noisy(RenderOptions& options, const std::string& where) {
+    options.keep_noisy = std::erase(options.aovs, "noisy") != 0;
+    if (options.keep_noisy && options.denoise != DenoiseKind::Oidn) refuse(where, "noisy is what --denoise oidn was given", "add --denoise oidn, or leave the layer out");
+}
+
 void check_outputs(const OptionValues& values, const RenderOptions& options) {
     const bool exr =
         std::any_of(options.output.files.begin(), options.output.files.end(), [](const auto& file) { return has_extension(file, ".exr"); });
@@ -135,8 +141,9 @@ void check_outputs(const OptionValues& values, const RenderOptions& options) {
     if (options.is_part && (options.output.files.size() != 1 || !exr))
         throw Error(ErrorCode::Usage, "a part is written to exactly one EXR", "--out",
                     "use --out PART.exr; parhelion merge writes the picture");
+    if (options.is_part && options.denoise == DenoiseKind::Oidn) refuse(values.where("--denoise"), "a part holds sums of samples, which have to stay as they are", "leave it out of parts");
     check_debug_layers(options, values.where("--aov"));
-    if (!options.aovs.empty() && !exr) throw Error(ErrorCode::Usage, "layers need an EXR", values.where("--aov"), "add --out F.exr");
+    if ((!options.aovs.empty() || options.keep_noisy) && !exr) throw Error(ErrorCode::Usage, "layers need an EXR", values.where("--aov"), "add --out F.exr");
     check_sequence(values, options);
     if (options.resume && options.checkpoint.empty())
         throw Error(ErrorCode::Usage, "there is nothing to resume from", "--resume", "add --checkpoint F");
@@ -227,6 +234,7 @@ RenderOptions read_render_options(const OptionValues& values) {
     options.shutter_seconds = parse_float(values.text("--shutter"), "--shutter");
     if (values.given("--aov"))
         options.aovs = expand_list(*find_option(values.command(), "--aov"), values.text("--aov"), values.where("--aov"));
+    read_noisy(options, values.where("--aov"));
     if (values.given("--checkpoint")) options.checkpoint = values.text("--checkpoint");
     options.checkpoint_seconds = parse_duration_seconds(values.text("--checkpoint-every"), "--checkpoint-every");
     options.resume = values.flag("--resume");

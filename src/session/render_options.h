@@ -62,6 +62,7 @@ struct RenderOptions {
 
     OutputOptions output;
     std::vector<std::string> aovs;     // layer names in table order
+    bool keep_noisy = false;           // --aov noisy: the layer of what --denoise oidn was given
     std::filesystem::path checkpoint;  // empty: none
     double checkpoint_seconds = 60;
     bool resume = false;

@@ -1,8 +1,23 @@
 #include "session/view_setup.h"
 
+#include <algorithm>
+
+#include "session/pictures.h"
 #include "session/scene_setup.h"
 
 namespace parhelion {
+
+namespace {
+
+std::vector<std::string> layers_of(const RenderOptions& options) {
+    std::vector<std::string> layers = options.aovs;
+    if (options.denoise != DenoiseKind::Oidn) return layers;
+    for (const std::string_view guide : kGuideLayers)
+        if (std::ranges::find(layers, guide) == layers.end()) layers.emplace_back(guide);
+    return layers;
+}
+
+}  // namespace
 
 ViewDesc describe_view(const RenderOptions& options, const RenderSettings& settings, const MovingCamera& camera) {
     const float aspect = static_cast<float>(options.size.width) / static_cast<float>(options.size.height);
@@ -22,7 +37,7 @@ ViewDesc describe_view(const RenderOptions& options, const RenderSettings& setti
             .normal_correction = settings.normal_correction == Switch::On,
             .spawn_offset = settings.spawn_offset,
             .firefly_clamp = settings.firefly_clamp,
-            .aovs = options.aovs};
+            .aovs = layers_of(options)};
 }
 
 SceneGpuOptions describe_scene_gpu(const RenderSettings& settings, const TraceDecision& trace, bool draws_pixels) {

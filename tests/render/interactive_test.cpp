@@ -2,7 +2,10 @@
 #include "session/interactive.h"
 
 #include "base/error.h"
+#include "image/decode.h"
 #include "image/film.h"
+#include "image/tonemap.h"
+#include "support/environment.h"
 #include "support/gpu_fixture.h"
 #include "support/process.h"
 #include "support/render_fixture.h"
@@ -64,6 +67,88 @@ TEST_F(InteractiveScene, every_renderer_comes_to_rest_with_a_picture_and_the_sam
     EXPECT_EQ(draw(session), reference);
     session.reload();
     EXPECT_EQ(draw(session), reference);
+}
+
+// With a stand-in for the library (tests/stubs/oidn.cpp): half the red light, prefiltered guides as green and blue.
+TEST_F(InteractiveScene, a_picture_comes_to_rest_denoised_and_a_moved_camera_never_shows_an_older_one) {
+    const Environment library("PARHELION_OIDN", PARHELION_OIDN_STUB);
+    RenderOptions options = cornell(5);
+    options.output.exr_float = true;
+    TemporaryFolder folder;
+    const auto save = [&](Interactive& session, const char* name) {
+        session.save_picture({folder.file(name)});
+        draw(session);
+        return image::read_linear(folder.file(name));
+    };
+    Interactive plain(options, device());
+    draw(plain);
+    EXPECT_FALSE(plain.shows_denoised());
+    const image::ImageF noisy = save(plain, "noisy.exr");
+    options.denoise = DenoiseKind::Oidn;
+    Interactive session(options, device());
+    const std::vector<uint8_t> canvas = draw(session);
+    EXPECT_TRUE(session.shows_denoised());
+    const image::ImageF clean = save(session, "clean.exr");
+    EXPECT_EQ(clean.channels, noisy.channels);
+    const auto half = clean.plane(clean.find_channel("R").value()), whole = noisy.plane(noisy.find_channel("R").value());
+    for (size_t i = 0; i < half.size(); ++i) ASSERT_EQ(half[i], whole[i] / 2) << i;
+    // What the window shows is that picture.
+    const image::Picture8 shown = image::tonemap_to_srgb(clean, session.show.curve, image::exposure_scale_from_ev100(session.show.exposure_ev));
+    for (size_t i = 0; i < clean.pixel_count(); ++i)
+        for (size_t c = 0; c < 3; ++c) ASSERT_NEAR(canvas[4 * i + c], shown.rgb[3 * i + c], 1) << i;
+
+    SteeredCamera camera = session.camera();
+    camera.orbit(0.5f, 0);
+    session.set_camera(camera);
+    EXPECT_FALSE(session.shows_denoised());
+    const std::vector<uint8_t> moved = draw(session);
+    EXPECT_TRUE(session.shows_denoised());
+    EXPECT_NE(moved, canvas);
+    session.choose_camera("");
+    EXPECT_EQ(draw(session), canvas);
+    session.set_layer("albedo");
+    draw(session);
+    EXPECT_FALSE(session.shows_denoised());
+    session.set_layer("");
+    EXPECT_EQ(draw(session), canvas);
+}
+
+// The camera turns away from all that there is while a picture is being denoised: all pixels are alike from then on.
+TEST_F(InteractiveScene, what_is_being_denoised_when_the_camera_moves_is_never_shown) {
+    const Environment library("PARHELION_OIDN", PARHELION_OIDN_STUB), slow("STUB_SECONDS", "0.03");
+    RenderOptions options = cornell(4);
+    options.denoise = DenoiseKind::Oidn;
+    Interactive session(options, device());
+    for (int frame = 0; frame < 2000 && session.samples() < 4; ++frame) {
+        session.record();
+        session.finish();
+    }
+    session.record();  // gives the film away, if nothing runs yet
+    session.finish();
+    ASSERT_FALSE(session.is_finished());
+    SteeredCamera camera = session.camera();
+    camera.look(3.14159f, 0);
+    session.set_camera(camera);
+    bool denoised = false;
+    for (int frame = 0; frame < 2000 && !session.is_finished(); ++frame) {
+        const gpu::Buffer copy = session.frame().read_back(session.record());
+        session.finish();
+        denoised = denoised || session.shows_denoised();
+        const auto bytes = copy.mapped_as<uint8_t>();
+        for (size_t i = 0; i < bytes.size(); i += 4) ASSERT_EQ(bytes[i], bytes[0]) << "frame " << frame;
+    }
+    EXPECT_TRUE(denoised);
+}
+
+TEST_F(InteractiveScene, where_denoising_fails_the_noisy_picture_stays_and_a_line_says_why) {
+    const Environment library("PARHELION_OIDN", PARHELION_OIDN_STUB), fails("STUB_FAILS", "memory");
+    RenderOptions options = cornell(2);
+    Interactive plain(options, device());
+    options.denoise = DenoiseKind::Oidn;
+    Interactive session(options, device());
+    EXPECT_EQ(draw(session), draw(plain));
+    EXPECT_FALSE(session.shows_denoised());
+    EXPECT_NE(session.note().find("not enough memory to denoise"), std::string::npos) << session.note();
 }
 
 // What is refused leaves no trace.

@@ -76,7 +76,7 @@ const Change kChanges[] = {
          edit.set_light(room.lamp, Room::lamp_of(10.0f));
          edit.set_transform(room.screen, so ? Room::kAway : Transform{.translation = {0.3f, 2.0f, 0.2f}});
      },
-     false, true, false, 3, 0.05},
+     false, true, false, 10, 0.05},
 };
 
 class RealtimeChange : public GpuTest {

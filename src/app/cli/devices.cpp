@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "gpu/device.h"
+#include "image/denoise.h"
 #include "session/render_settings.h"
 #include "session/results.h"
 #include "session/trace_choice.h"
@@ -111,6 +112,21 @@ bool any_usable(const std::vector<gpu::DeviceCaps>& devices) {
     return false;
 }
 
+// What --denoise oidn would take: {"version", "library"} or {"missing"}.
+Json denoiser_json() {
+    try {
+        const image::Denoiser denoiser;
+        return {{"version", denoiser.version()}, {"library", denoiser.library()}};
+    } catch (const Error& error) {
+        return {{"missing", fmt::format("{} ({})", error.problem, error.hint)}};
+    }
+}
+
+std::string denoiser_text(const Json& denoiser) {
+    if (denoiser.contains("missing")) return fmt::format("--denoise oidn has no library: {}\n", denoiser["missing"].get<std::string>());
+    return fmt::format("--denoise oidn takes Open Image Denoise {} ({})\n", denoiser["version"].get<std::string>(), escape_name(denoiser["library"].get<std::string>()));
+}
+
 }  // namespace
 
 int run_devices(const OptionValues& values) {
@@ -133,7 +149,9 @@ int run_devices(const OptionValues& values) {
                     devices.empty() ? "install a Vulkan driver: mesa-vulkan-drivers has one for the CPU"
                                     : "parhelion devices lists what each lacks");
     if (devices.empty()) text = "There is no Vulkan device. Install a Vulkan driver; mesa-vulkan-drivers has one for the CPU.\n";
-    Json result = {{"devices", list}};
+    const Json denoiser = denoiser_json();
+    text += denoiser_text(denoiser);
+    Json result = {{"devices", list}, {"oidn", denoiser}};
     if (values.flag("--require")) {
         result["required"] = gpu::device_requirements();
         text += "Parhelion needs:\n";

@@ -54,6 +54,8 @@ layout(set = 1, binding = 0, scalar) buffer AllStructs {
     CacheHeader cache_header[2];
     CacheFrameData cache_frame_data[2];
     CacheSize cache_size[2];
+    CacheUpdate cache_update[2];
+    CachePath cache_path[2];
 } all_structs;
 
 // Copying struct by struct: the block has its own layout, a local variable none.
@@ -109,5 +111,7 @@ void main() {
         all_structs.light_sums[i] = value.light_sums[i];
         all_structs.cache_frame_data[i] = value.cache_frame_data[i];
         all_structs.cache_size[i] = value.cache_size[i];
+        all_structs.cache_update[i] = value.cache_update[i];
+        all_structs.cache_path[i] = value.cache_path[i];
     }
 }

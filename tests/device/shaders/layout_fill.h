@@ -63,6 +63,8 @@ struct LayoutStructs {
     CacheHeader cache_header[2];  // stays zero too
     CacheFrameData cache_frame_data[2];
     CacheSize cache_size[2];
+    CacheUpdate cache_update[2];
+    CachePath cache_path[2];
 };
 
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(uint) v) { v = n++; }
@@ -153,6 +155,8 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(CacheFrameData) v) {
     F(frame_index) F(seed) F(exposure) F(exposure_ratio) F(cell_scale) F(cell_pixels) F(jitter) F(life) F(most_samples) F(candidates)
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(CacheSize) v) { F(x) F(y) F(z) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(CacheUpdate) v) { F(found) F(link) F(share) F(sum) F(otherwise) F(target) F(value) F(bits) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(CachePath) v) { F(throughput) F(pdf) F(media) F(travelled) F(radiance_scale) }
 
 // Entry i of every array.
 SHARED_FN void fill_entry(SHARED_INOUT(uint) n, SHARED_INOUT(LayoutStructs) v, uint i) {
@@ -160,7 +164,7 @@ SHARED_FN void fill_entry(SHARED_INOUT(uint) n, SHARED_INOUT(LayoutStructs) v, u
     F(alias_entry[i]) F(environment[i]) F(hit[i]) F(camera[i]) F(camera_motion[i]) F(view_data[i]) F(slice[i]) F(dumped_ray[i]) F(drawn_geometry[i]) F(raster_counts[i]) F(bvh_node[i]) F(bvh_node_binary[i]) F(bvh_node_compact[i]) F(bvh_triangle[i]) F(bvh_top_item[i])
     F(traversal_ray[i]) F(traversal_hit[i])
     F(wavefront_ray[i]) F(wavefront_hit[i]) F(wavefront_path[i]) F(wavefront_extra[i]) F(wavefront_slot[i]) F(wavefront_vertex[i]) F(wavefront_shadow_ray[i]) F(wavefront_split[i]) F(wavefront_class_sums[i]) F(wavefront_size[i]) F(wavefront_first[i]) F(tile_sample[i]) F(packed_light[i]) F(realtime_frame[i]) F(light_path[i]) F(light_path_inside[i]) F(light_pending[i]) F(light_sums[i])
-    F(cache_frame_data[i]) F(cache_size[i])
+    F(cache_frame_data[i]) F(cache_size[i]) F(cache_update[i]) F(cache_path[i])
 }
 #undef F
 
