@@ -178,10 +178,7 @@ void Frame::read_timers(const InFlight& frame) {
     const std::vector<double> times = frame.timers.read_ms(frame.timers.count());
     gpu_ms_ = times.empty() ? 0 : times.back();
     if (options_.timers != Timers::Passes) return;
-    for (size_t i = 0; 2 * i + 1 < times.size(); ++i) {
-        listing_[i].begin_ms = times[2 * i];
-        listing_[i].gpu_ms = times[2 * i + 1] - times[2 * i];
-    }
+    for (size_t i = 0; 2 * i + 1 < times.size(); ++i) listing_[i].gpu_ms = times[2 * i + 1] - times[2 * i];
 }
 
 void Frame::report_loss(const std::exception& cause) {

@@ -40,7 +40,6 @@ struct PassInfo {
     std::vector<std::string> reads, writes;
     std::string extent;  // "1280x720", "indirect", "" for copies
     double gpu_ms = 0;   // after completion
-    double begin_ms = 0;  // since the first pass began: passes may run side by side
 };
 
 // Set 0 with everything that shaders reach through it.

@@ -27,8 +27,8 @@ constexpr auto kPipeline = TraceWay::Pipeline, kQuery = TraceWay::Query, kComput
 // `parhelion bench trace` says for one device, `parhelion devices --measure` stores what is fastest there, and docs/performance.md has
 // the numbers of those that were measured: the CPU device and an NVIDIA GPU without ray tracing cores (H200). The other rows are expectations.
 //
-// Whether drawing finds the triangles under pixels faster than a ray each was measured there too: on an H100 it takes 4 times as long. On the
-// CPU device it takes 0.2 to 1 times as long, of a fiftieth of a frame; but lavapipe has no times of passes in a frame that draws, so it traces.
+// Whether drawing finds the triangles under pixels faster than a ray each was measured on an H100, where it takes 4 times as long
+// (docs/performance.md). Lavapipe has no times of passes in a frame that draws, so the CPU device traces.
 //
 // A CPU device gathers what a vector of rays reads word by word: the smallest nodes are the fastest. GPUs are fastest with four float
 // boxes a node.

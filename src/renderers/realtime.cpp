@@ -122,7 +122,7 @@ void Realtime::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, Vi
     const shared::Slice slice{.first_row = 0, .row_count = film.height, .first_sample = sample, .sample_count = 1};
     if (reconstruction_) view.set_jitter(reconstruction_->jitter_px(frame_index_));
     begin_slice(frame, scene, way, view, slice);
-    std::optional<passes::CacheUpdate> update = begin_update(frame, scene, way, view);  // in the shadow of the passes between its parts
+    std::optional<passes::CacheUpdate> update = begin_update(frame, scene, way, view);
     if (update) update->trace_first();
     if (draws_pixels(view)) passes::raster_identity(frame, scene, film, gbuffer_.identity, raster_, frame_index_);
     else passes::trace_identity(frame, scene, way, film, gbuffer_, frame_index_);

@@ -33,7 +33,7 @@ struct CacheStats {
     uint64_t path_rays = 0, shadow_rays = 0;
 };
 
-// What updates need between their passes, 204 bytes for each cell that one frame updates. Apart, so that passes that share nothing overlap.
+// What updates need between their passes, 204 bytes for each cell that one frame updates. Apart, so that passes that share nothing need not wait for each other.
 struct CacheUpdateBuffers {
     gpu::Buffer lists;       // uint[2][updates]: whose paths go on, of rounds by turns
     gpu::Buffer rays, paths, hits;  // shared::WavefrontRay, CachePath, WavefrontHit

@@ -17,7 +17,7 @@ struct CacheFrame {
 // afterwards binds `cache` to cache.buffer(), read_write.
 void update_cache(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, LightCache& cache, const CacheFrame& now);
 
-// The same in three parts. Its rays are few and long: what is recorded between the parts runs beside them.
+// The same in three parts. Its rays are few and long; what is recorded between the parts need not wait for them.
 class CacheUpdate {
 public:
     CacheUpdate(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, LightCache& cache, const CacheFrame& now);

@@ -5,6 +5,7 @@
 // Jimenez 2016, "Filmic SMAA" (Catmull-Rom history); Yang, Liu, Salvi 2020, "A Survey of Temporal Antialiasing Techniques" (upscaling).
 // Reads: view, motion, guide, colors, history. Writes: picture (the next frame's history). Reads and writes: block.
 #extension GL_GOOGLE_include_directive : require
+#include "reconstruction/cubic.glsl"
 #include "reconstruction/half_light.glsl"
 #include "lib/color.glsl"
 #include "lib/hash.glsl"
@@ -78,7 +79,8 @@ Frame look(ViewData view, vec2 at_px, vec2 ratio) {
 // Catmull and Rom 1974 over the 16 texels around, without the corners, by five bilinear taps.
 vec4 read_history(vec2 at_px, vec2 size) {
     const vec2 base = floor(at_px - 0.5) + 0.5, f = at_px - base;
-    const vec2 w0 = f * (-0.5 + f * (1.0 - 0.5 * f)), w1 = 1.0 + f * f * (-2.5 + 1.5 * f), w2 = f * (0.5 + f * (2.0 - 1.5 * f)), w3 = f * f * (-0.5 + 0.5 * f);
+    const vec4 wx = catmull_rom(f.x), wy = catmull_rom(f.y);
+    const vec2 w0 = vec2(wx[0], wy[0]), w1 = vec2(wx[1], wy[1]), w2 = vec2(wx[2], wy[2]), w3 = vec2(wx[3], wy[3]);
     const vec2 w12 = w1 + w2, at0 = (base - 1.0) / size, at12 = (base + w2 / w12) / size, at3 = (base + 2.0) / size;
     vec4 sum = textureLod(history, at12, 0.0) * (w12.x * w12.y);
     float weight = w12.x * w12.y;

@@ -3,6 +3,7 @@
 // Hierarchical Recurrent Denoiser" (Ray Tracing Gems II, 49). Needs `push` of accumulate.comp.
 #ifndef PARHELION_RECONSTRUCTION_HISTORY_GLSL
 #define PARHELION_RECONSTRUCTION_HISTORY_GLSL
+#include "reconstruction/cubic.glsl"
 #include "reconstruction/half_light.glsl"
 #include "reconstruction/surfaces.glsl"
 
@@ -81,10 +82,6 @@ void rescale(inout Signal s) {
     s.light *= push.frame.exposure_scale;
     s.deviation *= push.frame.exposure_scale;
     s.fast *= push.frame.exposure_scale;
-}
-
-vec4 catmull_rom(float f) {
-    return vec4(f * (-0.5 + f * (1.0 - 0.5 * f)), 1.0 + f * f * (-2.5 + 1.5 * f), f * (0.5 + f * (2.0 - 1.5 * f)), f * f * (-0.5 + 0.5 * f));
 }
 
 // Light by Catmull and Rom 1974 over twelve pixels of one surface: four, frame after frame, would wash out what moves.

@@ -52,15 +52,19 @@ ReconstructionHistory make_reconstruction_history(const gpu::DevicePtr& device, 
             .picture = gpu::Image(device, "reconstruction/picture", {.format = gpu::Format::Rgba16Float, .extent = picture})};
 }
 
-void accumulate_light(const ReconstructionPass& pass) {
-    const ReconstructionInput& in = pass.input;
-    const gpu::Extent tiles = tiles_of(in.gbuffer.identity.extent());
+gpu::Buffer find_changes(const ReconstructionPass& pass) {
+    const gpu::Extent tiles = tiles_of(pass.input.gbuffer.identity.extent());
     const gpu::Buffer changes = pass.frame.buffer("reconstruction/changes", uint64_t{tiles.width} * tiles.height * sizeof(uint32_t));
     pass.frame.compute("reconstruction/change")
         .read("tiles", pass.before.tiles)
         .write("changes", changes)
         .push(ChangePush{.size = {tiles.width, tiles.height}, .antilag = pass.settings.has_history != 0 ? pass.settings.antilag : 0.0f})
         .over(tiles);
+    return changes;
+}
+
+void accumulate_light(const ReconstructionPass& pass, const gpu::Buffer& changes) {
+    const ReconstructionInput& in = pass.input;
     pass.frame.compute("reconstruction/accumulate")
         .read("view", in.film.view)
         .read("identity", in.gbuffer.identity)

@@ -59,7 +59,8 @@ struct ReconstructionPass {
     const ReconstructionOptions& options;
     shared::ReconstructionFrame settings;
 };
-void accumulate_light(const ReconstructionPass& pass);
+gpu::Buffer find_changes(const ReconstructionPass& pass);  // half2[tiles]: how sure it is that the last frame's light had changed, diffuse and specular
+void accumulate_light(const ReconstructionPass& pass, const gpu::Buffer& changes);
 void settle_history(const ReconstructionPass& pass);   // its result is in input.signals' diffuse and specular
 // Step `index` of options.steps, the result being in before's light and in input.signals' by turns; the last step (with none, the only one)
 // leaves the picture's colours. Returns where: half4[pixels].
