@@ -64,7 +64,7 @@ void filter_around(ViewData view, ivec2 middle, uint pixel, Guide here, inout ve
     if (all(lessThan(wide, vec2(0.05)))) return;
     const float lobe = lobe_tangent(here.roughness), facing = 1.0 / (lobe * lobe + 2e-4);
     Sum d = Sum(vec4(diffuse.rgb, diffuse.a * diffuse.a), 1.0), s = Sum(vec4(specular.rgb, specular.a * specular.a), 1.0);
-    const vec2 sharp = 1.0 / (push.sigmas * vec2(diffuse.a, specular.a) + 1e-6), own = vec2(luminance(diffuse.rgb), luminance(specular.rgb));
+    const vec2 own = vec2(luminance(diffuse.rgb), luminance(specular.rgb));
     const float across = dot(position, normal), slack = 1.0 / (0.01 * here.depth);
     // No branches: all loads are under way at once.
     for (int i = 0; i < 8; ++i) {
@@ -77,6 +77,7 @@ void filter_around(ViewData view, ivec2 middle, uint pixel, Guide here, inout ve
         const vec3 p = place(view.camera, vec2(at) + 0.5 + push.jitter, size, depth);
         const float plane = max(0.0, 1.0 - abs(dot(p, normal) - across) * slack), cosine = dot(here.normal, there.normal);
         const float kernel = at == to ? plane * (step.x == 0 || step.y == 0 ? 0.5 : 0.25) : 0.0;
+        const vec2 sharp = 1.0 / (push.sigmas * sqrt(vec2(diffuse.a * diffuse.a + other_diffuse.a * other_diffuse.a, specular.a * specular.a + other_specular.a * other_specular.a)) + 1e-6);
         const vec2 off = abs(vec2(luminance(other_diffuse.rgb), luminance(other_specular.rgb)) - own) * sharp;
         add(d, other_diffuse, kernel * wide.x * exp(-off.x - 32.0 * (1.0 - cosine)));
         add(s, other_specular, kernel * wide.y * exp(-off.y - 2.0 * (1.0 - cosine) * facing) * max(0.0, 1.0 - 8.0 * abs(here.roughness - there.roughness)));
