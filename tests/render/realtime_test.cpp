@@ -38,6 +38,32 @@ TEST_F(RealtimePicture, without_tiles_a_frame_is_a_sample_of_the_reference) {
     }
 }
 
+// Reconstruction that changes nothing: the signals put together again.
+ReconstructionOptions no_reconstruction() {
+    return {.history = 1, .fast_history = 1, .steps = 0, .firefly = 0.0f, .antilag = 0.0f, .clamp_width = 0.0f, .virtual_motion = false, .antialias = false};
+}
+
+// The signals are then those of what mirrors and panes show, in whose place it stands: the light is the same, and so are the path's classes.
+TEST_F(RealtimePicture, following_mirrors_and_panes_moves_light_between_signals_and_no_more) {
+    for (const char* name : {"builtin:reflections", "builtin:glass"}) {
+        SCOPED_TRACE(name);
+        Stage& stage = builtin_stage(name);
+        const Shot shot = pinhole_shot(gpu::TraceWay::Compute, 1);
+        RealtimeOptions options{.tiles = false, .cache = false, .exposure = 1e-3f};
+        const image::ImageF expected = image::resolve_film(stage.play(shot, options));
+        options.reconstruction = no_reconstruction();
+        const image::ImageF found = image::resolve_film(stage.play(shot, options));
+        for (size_t c = 0; c < expected.channels.size(); ++c) {
+            double worst = 0.0;
+            for (size_t p = 0; p < expected.pixel_count(); ++p) {
+                const double a = expected.plane(c)[p], b = found.plane(c)[p];
+                worst = std::max(worst, std::abs(a - b) / std::max(1e-3, std::abs(a)));
+            }
+            EXPECT_LE(worst, c < 3 ? 0x1p-8 : 1e-5) << expected.channels[c] << ": histories have 11 bits, of two signals";
+        }
+    }
+}
+
 // Runs of one estimator, a Runs for the beauty and each class: luminance.
 std::map<std::string, Runs> runs_of(uint32_t count, uint32_t first_seed, const std::function<image::ImageF(uint32_t seed)>& draw) {
     std::map<std::string, Runs> out;
