@@ -33,7 +33,7 @@ Json conventions() {
             {"motion", "where the surface was on the last frame's film minus where it is, pixels, without jitter; +infinity: it was not in front"},
             {"hit", "metres from the surface to what the path met; 0: it took the other lobe"},
             {"camera", "a film position (x, y) of a picture w by h looks along forward + (2 x / w - 1) right + (1 - 2 y / h) up"},
-            {"clip_from_world", "rows; film position = ((1 + cx / cw) w / 2, (1 - cy / cw) h / 2)"}};
+            {"clip_from_world", "rows, for (x, y, z, 1); film position = ((1 + cx / cw) w / 2, (1 + cy / cw) h / 2)"}};
 }
 
 }  // namespace

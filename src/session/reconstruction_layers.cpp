@@ -16,13 +16,13 @@ namespace {
 
 Json vector_json(const glm::vec3& v) { return {v.x, v.y, v.z}; }
 
-// Rows of the matrix that brings (x, y, z, 1) to clip space, y up. Depth is that of the G-buffer, kDepthNear over metres; of an orthographic
-// camera, whose clip w is 1, metres.
+// Rows of the matrix that brings (x, y, z, 1) to clip space (Vulkan's: x right, y down). Depth is that of the G-buffer, kDepthNear over metres; of
+// an orthographic camera, whose clip w is 1, metres.
 Json clip_from_world(const shared::Camera& camera) {
     const auto row = [&](const glm::vec3& v) { return Json{v.x, v.y, v.z, -glm::dot(v, camera.position_ws)}; };
     const Json distance = row(camera.forward_ws), one{0, 0, 0, 1}, near{0, 0, 0, shared::kDepthNear};
     const bool flat = camera.orthographic != 0;
-    return {row(camera.right_ws / glm::dot(camera.right_ws, camera.right_ws)), row(camera.up_ws / glm::dot(camera.up_ws, camera.up_ws)), flat ? distance : near, flat ? one : distance};
+    return {row(camera.right_ws / glm::dot(camera.right_ws, camera.right_ws)), row(-camera.up_ws / glm::dot(camera.up_ws, camera.up_ws)), flat ? distance : near, flat ? one : distance};
 }
 
 Json camera_json(const shared::Camera& camera) {
