@@ -82,6 +82,7 @@ void FramesJob::begin() {
     report_.finished_end = report_.resumed_at = first_counted();
     report_.frame_samples = realtime() ? 1 : options_.samples.end;
     report_.play = PlayReport{.play = play_, .frames = {}};
+    if (is_interrupted()) return;  // before there was a view
     if (realtime()) {
         RealtimeOptions settings = realtime_options(settings_, device_->caps());
         settings.exposure = static_cast<float>(image::exposure_scale_from_ev100(report_.exposure_ev));
