@@ -25,7 +25,7 @@ def read(path):
     frame = {name: layer(name) for name in ("diffuse", "specular", "emission", "albedo", "specular_albedo")}
     frame["normal"] = layer("normal", "XYZ")
     frame["depth"] = planes["depth"]
-    frame["instance"] = planes["ids.instance"]
+    frame["surface"] = planes["surface"]
     return frame, json.loads(file.header()["reconstruction"])
 
 
@@ -39,7 +39,7 @@ def body(frame, radius=3):
     for dy in range(-radius, radius + 1):
         for dx in range(-radius, radius + 1):
             there = np.clip(rows + dy, 0, height - 1), np.clip(columns + dx, 0, width - 1)
-            same = frame["instance"][there] == frame["instance"]
+            same = frame["surface"][there] == frame["surface"]
             same &= np.sum(frame["normal"][there] * frame["normal"], axis=-1) > 0.9
             same &= np.abs(depth[there] - depth) < 0.05 * depth
             same |= (dx == 0) & (dy == 0)

@@ -1,11 +1,9 @@
 // GGX microfacets with height-correlated Smith masking, in the shading frame (z = normal). Walter et al. 2007; Heitz 2014.
 #ifndef PARHELION_LIB_MICROFACET_GLSL
 #define PARHELION_LIB_MICROFACET_GLSL
+#include "shared/scene.h"
 
 const float kPi = 3.14159265358979;
-
-// Below this perceptual roughness surfaces are exact mirrors and clear glass: GGX lobes with alpha < 0.0009 are narrower than a pixel.
-const float kDeltaRoughness = 0.03;
 
 // Density of microfacets with normal h. Exact for narrow lobes too, where the sine says more than the cosine.
 float ggx_distribution(vec3 h, float alpha) {

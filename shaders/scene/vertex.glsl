@@ -155,18 +155,19 @@ RayCone passing_cone(RayCone cone, float t) { return kNoCone; }
 #endif
 
 // Continues the path by the BSDF, u = (lobe, direction); false: it ends here. without diffuse: only what other lobes scatter goes on.
-bool scatter(inout PathState path, Shading shading, vec3 u, bool diffuse, uint alpha_key) {
+// splits: the path's light is split by the lobes of this surface.
+bool scatter(inout PathState path, Shading shading, vec3 u, bool diffuse, bool splits, uint alpha_key) {
     BsdfSample next = sample_bsdf(shading.bsdf, shading.wo, u.x, u.yz);
     if (!diffuse) next.weight.diffuse = vec3(0.0);
     if (next.lobe == kLobeNone) return false;
     const vec3 wi_ws = shading.frame * next.wi;
     if (!sides_agree(shading, next.wi, wi_ws)) return false;
     const vec3 weight = total(next.weight);
-    if (path.path_class.bounce == 0u) {
+    if (splits) {
         // Exactly 1 where nothing else is, whatever the device makes of a quotient.
         path.path_class.diffuse_share = mix(next.weight.diffuse / max(weight, vec3(1e-30)), vec3(1.0), equal(next.weight.diffuse, weight));
-        path.path_class.transmitted = path.path_class.transmitted || next.wi.z < 0.0;
     }
+    if (path.path_class.bounce == 0u) path.path_class.transmitted = path.path_class.transmitted || next.wi.z < 0.0;
     path.throughput *= weight;
     path.pdf = next.pdf;
     path.path_class.bounce += 1u;
@@ -231,7 +232,7 @@ void scatter_at(ViewData view, PathKey key, Shading shading, VertexNumbers u, in
 void scatter_at(ViewData view, PathKey key, Shading shading, VertexNumbers u, inout PathState path, inout VertexResult result) {
     const uint bounce = path.path_class.bounce;
     result.event = sample_next_event(view, path, shading, u.pick, u.light, alpha_key(key, bounce, kRayShadow));
-    result.goes_on = scatter(path, shading, u.scatter, true, alpha_key(key, bounce + 1u, kRayPath));
+    result.goes_on = scatter(path, shading, u.scatter, true, bounce == 0u, alpha_key(key, bounce + 1u, kRayPath));
 }
 #endif
 

@@ -15,6 +15,11 @@ SHARED_CONST float kDepthNear = 1e-3f;
 SHARED_CONST uint kSummaryFrontFacing = 1u;
 SHARED_CONST uint kSummaryTransmits = 2u;
 SHARED_CONST uint kSummaryDelta = 4u;  // an exact mirror, or smooth glass
+SHARED_CONST uint kSummaryFollowed = 8u;  // an exact mirror or a pane: what is seen through it may stand in its place (gbuffer/follow.trace)
+SHARED_CONST uint kSummaryIdShift = 16u;  // of Summary::z: a number of the surface, 16 bits; 0: sky
+
+// Mirrors and panes, one behind the other, that a pixel is followed through.
+SHARED_CONST uint kMostFollowed = 4u;
 
 // Light tiles: sets of light samples that are drawn before anyone needs them, so that neighbours read the same memory. Wyman and
 // Panteleev 2021, "Rearchitecting Spatiotemporal Resampling for Production", section 5.
@@ -52,6 +57,7 @@ struct RealtimeFrame {
     uint candidates;    // light samples that the first surface's one is chosen from
     uint tiles;         // 1: they come from light tiles
     uint path_bounces;  // reflections after which a path ends in the cache whatever it meets, but for glass
+    uint follows;       // 1: the signals are of the surface that is seen through mirrors and panes
 };
 
 // A path of the frame between two of its vertices, beside its ray (WavefrontRay): 48 bytes.
@@ -62,9 +68,13 @@ struct LightPath {
     float travelled;
     float cone_width, cone_spread;  // of its footprint in the world cache, with:
     float way;                      // metres from the camera
-    uint lobes;                     // reflections so far, and kLobeBroad
+    uint lobes;                     // reflections so far, and kLobe...
 };
-SHARED_CONST uint kLobeBroad = 0x80000000u;  // the last lobe was at least as broad as a cosine
+SHARED_CONST uint kLobeBroad = 0x80000000u;     // the last lobe was at least as broad as a cosine
+SHARED_CONST uint kLobeStraight = 0x40000000u;  // so far mirrors and panes only: what the path meets next is what the pixel shows
+SHARED_CONST uint kLobeFirst = 0x20000000u;     // the last scattering was where the pixel's surface is
+SHARED_CONST uint kLobeBehind = 0x10000000u;    // a mirror lies before that surface
+SHARED_CONST uint kLobeFlags = 0xF0000000u;
 
 // What only scenes with LAYERS add to it: 20 bytes.
 struct LightPathInside {
@@ -74,14 +84,15 @@ struct LightPathInside {
 
 // What a path's vertex asked a light for, and gets if its shadow ray is free: 32 bytes.
 struct LightPending {
-    vec3 diffuse;   // by what the first surface's lobes have of it
+    vec3 diffuse;   // by what the lobes of the surface that the pixel shows have of it
     uint pixel;
     vec3 specular;
     uint kind;      // kLight...
 };
 SHARED_CONST uint kLightDirect = 0u;
 SHARED_CONST uint kLightIndirect = 1u;
-SHARED_CONST uint kLightTransmitted = 2u;  // all of it in `specular`
+SHARED_CONST uint kLightTransmitted = 2u;
+SHARED_CONST uint kLightReflected = 3u;    // by a mirror before the surface that the pixel shows
 
 // What a path brought so far, but for what is seen straight: 24 bytes.
 struct LightSums {

@@ -15,7 +15,7 @@ SHARED_CONST uint kStateHits = 1u;    // half2: metres to what the paths met aft
 SHARED_CONST uint kStateFrames = 2u;  // frames that the two signals' histories are worth (8 bits each), then the surface's id (16 bits; 0: sky)
 SHARED_CONST uint kStatePlanes = 3u;
 
-// Planes of what reconstruction gets of a frame, unpacked to be written (reconstruction/show.comp): floats, but for the last three.
+// Planes of what reconstruction gets of a frame, unpacked to be written (reconstruction/show.comp): floats, but for the last four.
 SHARED_CONST uint kInputDiffuse = 0u;         // light: pre-exposed R, G, B
 SHARED_CONST uint kInputSpecular = 3u;
 SHARED_CONST uint kInputEmission = 6u;
@@ -27,16 +27,27 @@ SHARED_CONST uint kInputRoughness = 21u;
 SHARED_CONST uint kInputHits = 22u;           // metres, of the diffuse and the specular lobe
 SHARED_CONST uint kInputDepth = 24u;          // metres along the camera's axis
 SHARED_CONST uint kInputMotion = 25u;         // pixels
-SHARED_CONST uint kInputIds = 27u;            // row of the instance, primitive of its mesh, triangle; kNone: sky
-SHARED_CONST uint kInputPlanes = 30u;
+SHARED_CONST uint kInputSurface = 27u;        // number of the surface that all the above are of; 0: sky
+SHARED_CONST uint kInputIds = 28u;            // what the ray met first: row of the instance, primitive of its mesh, triangle; kNone: sky
+SHARED_CONST uint kInputPlanes = 31u;
 
-// Luminance of a tile's pixels that have a history: what the frame brought, what the history said, and the variance of the first.
-struct ChangeTile {
-    float diffuse_now, diffuse_before, diffuse_variance;
-    float specular_now, specular_before, specular_variance;
-    float count;
-    float unused;
+// Sums over a tile's pixels that have a history, of luminance: what the frame brought, what the history said, the variance of the first; and how
+// fast the light drifts away from the histories, a frame, over the last frames, with the variance of what one frame says of it.
+struct ChangeSums {
+    float now, before, variance, drift, drift_variance;
 };
+struct ChangeTile {
+    ChangeSums diffuse, specular;
+    float count;
+};
+// What follows for a tile, diffuse and specular.
+struct ChangeVerdict {
+    uint changed;  // half2: how sure it is that light has changed, 0 to 1
+    uint worth;    // half2: frames that histories are worth while light drifts so fast
+    uint drift;    // half2: of the tile's pixels, a frame
+};
+// Share of a frame in a tile's drift.
+SHARED_CONST float kDriftShare = 0.25f;
 
 // Settings of a frame. `vec2`s are pixels of the rendered picture.
 struct ReconstructionFrame {

@@ -22,6 +22,10 @@ SHARED_CONST uint kMaterialThin = 32u;       // it transmits without enclosing a
 SHARED_CONST uint kMaterialCoated = 64u;
 SHARED_CONST uint kMaterialSheen = 128u;
 SHARED_CONST uint kMaterialOnlyEmits = 256u;  // no light is reflected or let through
+SHARED_CONST uint kMaterialMirror = 512u;     // metal without roughness: one lobe, where its textures leave it so
+
+// Below this perceptual roughness surfaces are exact mirrors and clear glass: GGX lobes with alpha < 0.0009 are narrower than a pixel.
+SHARED_CONST float kDeltaRoughness = 0.03f;
 
 // SceneHeader::features: what some material of the scene has.
 SHARED_CONST uint kSceneLayers = 1u;  // transmission, a clear coat or sheen: path tracers need their variant LAYERS
@@ -29,6 +33,7 @@ SHARED_CONST uint kScenePanes = 2u;   // thin-walled transmission: shadow rays m
 SHARED_CONST uint kSceneTransmits = 4u;
 SHARED_CONST uint kSceneCoats = 8u;     // a clear coat or sheen on what does not transmit
 SHARED_CONST uint kSceneEmitters = 16u; // kMaterialOnlyEmits
+SHARED_CONST uint kSceneMirrors = 32u;  // kMaterialMirror
 
 // A row-major 3x4 affine transform: column vectors, p' = (dot(row0, vec4(p, 1)), ...).
 struct Affine {

@@ -36,6 +36,7 @@ std::span<const InputPlane> input_planes() {
         {"reconstruction.depth", Exact},
         {"reconstruction.motion.X", Exact},
         {"reconstruction.motion.Y", Exact},
+        {"reconstruction.surface", Whole},
         {"reconstruction.ids.instance", Whole},
         {"reconstruction.ids.geometry", Whole},
         {"reconstruction.ids.primitive", Whole},

@@ -46,11 +46,17 @@ bool Realtime::draws_pixels(const View& view) const {
     return options_.auto_draws && view.desc().camera.lens_radius == 0 && !view.desc().camera_at_close;
 }
 
+// Whether what is seen through mirrors and panes stands in their place: for reconstruction, which compares and filters surfaces.
+bool Realtime::follows(const SceneGpu& scene) const {
+    return options_.reconstruction && options_.reconstruction->follow && (scene.features() & (shared::kSceneMirrors | shared::kScenePanes)) != 0;
+}
+
 // Vertices of the longest path, and so rounds of a band.
 uint32_t Realtime::path_length(const SceneGpu& scene, const View& view) const {
     const uint32_t depth = std::min(view.desc().max_bounces, kMostScatterings);
     if ((scene.features() & shared::kSceneLayers) != 0) return depth + 1 + (options_.cache ? kPassings : kPassingsWithoutCache);
-    return (options_.cache ? std::min(depth, options_.path_bounces) : depth) + 1;
+    const uint32_t mirrors = follows(scene) ? shared::kMostFollowed - 1 : 0;
+    return (options_.cache ? std::min(depth, options_.path_bounces + mirrors) : depth) + 1;
 }
 
 void Realtime::trace_band(passes::LightPass pass, uint32_t path_length) {
@@ -78,7 +84,8 @@ void Realtime::trace_paths(Frame& frame, const SceneGpu& scene, gpu::TraceWay wa
                                          .exposure = options_.exposure,
                                          .candidates = options_.candidates,
                                          .tiles = options_.tiles,
-                                         .path_bounces = options_.path_bounces};
+                                         .path_bounces = options_.path_bounces,
+                                         .follows = follows(scene) ? 1u : 0u};
     for (uint32_t row = 0; row < view.film().height; row += band_rows_) {
         const shared::Slice band{.first_row = row, .row_count = std::min(band_rows_, view.film().height - row), .first_sample = frame_index_, .sample_count = 1};
         trace_band({.frame = frame,
@@ -130,6 +137,7 @@ void Realtime::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, Vi
     else passes::trace_identity(frame, scene, way, film, gbuffer_, frame_index_);
     if (update) update->meet_first();
     passes::summarise_surfaces(frame, scene, film, gbuffer_, frame_index_, options_.exposure);
+    if (follows(scene)) passes::follow_mirrors(frame, scene, way, film, gbuffer_, frame_index_, options_.exposure);
     if (options_.tiles) passes::draw_light_tiles(frame, scene, tiles_, frame_index_, view.desc().seed, {film.width, film.height});
     if (update) update->finish();
     if (cache_ && shows_cache(view)) passes::show_cache(frame, scene, film, gbuffer_, cache_->buffer(), frame_index_);

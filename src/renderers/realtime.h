@@ -61,6 +61,7 @@ public:
 private:
     std::optional<passes::CacheUpdate> begin_update(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const View& view);
     bool draws_pixels(const View& view) const;
+    bool follows(const SceneGpu& scene) const;
     uint32_t path_length(const SceneGpu& scene, const View& view) const;
     void show(Frame& frame, View& view);
     void trace_band(passes::LightPass pass, uint32_t path_length);

@@ -113,6 +113,7 @@ uint32_t material_flags(const Material& material) {
     if (material.transmission > 0.0f) flags |= shared::kMaterialTransmits | (material.thickness > 0.0f ? 0u : shared::kMaterialThin);
     if (material.clearcoat > 0.0f) flags |= shared::kMaterialCoated;
     if (material.sheen_color != glm::vec3(0.0f)) flags |= shared::kMaterialSheen;
+    if (flags == 0 && material.metallic >= 1.0f && material.roughness < shared::kDeltaRoughness) flags |= shared::kMaterialMirror;
     const bool dark = glm::vec3(material.base_color) == glm::vec3(0.0f) && material.specular == 0.0f && material.metallic == 0.0f;
     return flags == 0 && dark ? shared::kMaterialOnlyEmits : flags;
 }
@@ -210,6 +211,7 @@ void SceneGpu::State::make_materials() {
         else if ((row.flags & (shared::kMaterialCoated | shared::kMaterialSheen)) != 0) features |= shared::kSceneLayers | shared::kSceneCoats;
         if ((row.flags & shared::kMaterialOnlyEmits) != 0) features |= shared::kSceneEmitters;
         if ((row.flags & shared::kMaterialThin) != 0) features |= shared::kScenePanes;
+        if ((row.flags & shared::kMaterialMirror) != 0) features |= shared::kSceneMirrors;
         row.absorption = absorption(material);
         row.priority = material.nested_priority;
         row.coat = material.clearcoat;

@@ -1,28 +1,23 @@
 // How good reconstructed frames are: FLIP against the reference of that very frame, of a sequence in which the camera moves by eight pixels a
-// frame while something in the scene moves or is switched, beside one raw frame and plain reprojected accumulation.
+// frame while something in the scene moves or is switched, beside one raw frame, plain reprojected accumulation, and Open Image Denoise on
+// the same raw frame where its library is found (PARHELION_OIDN).
 #include <algorithm>
 #include <array>
-#include <cmath>
 
+#include "base/error.h"
+#include "image/denoise.h"
 #include "image/flip.h"
 #include "scene/load.h"
-#include "session/film_state.h"
-#include "session/scene_setup.h"
-#include "truth/truth.h"
+#include "truth/sequence.h"
 
 namespace parhelion::testing {
 namespace {
 
-constexpr double kFramesPerSecond = 30.0;
-constexpr std::array kLooks{20u, 28u, 36u, 44u};  // frames that are judged, of 16 to 47
+constexpr std::array kLooks{20u, 28u, 35u, 36u, 43u, 44u};  // of 16 to 47; FLIP of the even ones, flicker of those after another
 
 uint32_t picture_size() { return by_size(512u, 64u); }
 float pixels_per_frame() { return by_size(8.0f, 1.0f); }
 
-struct Sequence {
-    const char* scene;
-    std::vector<const char*> scripts;  // played together
-};
 const Sequence kSequences[] = {{"cornell", {"torch"}}, {"spheres", {"leave"}}, {"diorama", {"robot", "lamp"}}, {"reflections", {"roll"}}, {"many_lights", {"blink"}}};
 
 // The mean over the last frames, a tenth of it new, where reprojection finds the surface: nothing else.
@@ -30,39 +25,28 @@ ReconstructionOptions plain_control() {
     return {.history = 10, .fast_history = 10, .steps = 0, .firefly = 0.0f, .antilag = 0.0f, .clamp_width = 0.0f, .virtual_motion = false, .antialias = false};
 }
 
-// To one side for 16 frames and back for 16, past what stands in the middle.
-CameraView camera_at(const CameraView& start, float distance, uint32_t frame) {
-    const uint32_t phase = (frame + 8) % 32;
-    const float frames = static_cast<float>(phase < 16 ? phase : 32 - phase) - 8.0f;
-    CameraView moved = start;
-    moved.position += start.right * (frames * pixels_per_frame() * 2.0f * distance * std::tan(0.5f * start.yfov) / static_cast<float>(picture_size()));
-    return moved;
-}
-
-// A run with its own history, in step with others.
-struct Played {
-    Played(TruthStage& on, const ViewDesc& desc, const RealtimeOptions& options) : view(on.stage->frame.device(), desc), realtime(on.stage->frame.device(), view, options) {}
-    View view;
-    Realtime realtime;
-
-    image::ImageF next(TruthStage& on, const CameraView& camera) {
-        view.set_camera(shader_camera(camera, 1.0f));
-        realtime.record(on.stage->frame, on.stage->scene_gpu, on.way, view, true);
-        on.stage->frame.run();
-        return image::resolve_film(make_film_sums(view.read_film(on.stage->frame), {picture_size(), picture_size()}, {0, 1}, {}));
-    }
-};
-
-image::ImageF reference_at(TruthStage& on, const CameraView& camera, uint32_t samples) {
-    const uint32_t slice = std::clamp((1u << 22) / (picture_size() * picture_size()), 1u, 64u);
-    ViewDesc desc = truth_view(on, picture_size(), 5, false);
-    desc.filter = PixelFilter::Box;
-    return on.stage->picture({.way = on.way, .view = desc, .camera = camera, .sample_count = samples, .slice_samples = slice});
-}
-
 double flip_of(const image::ImageF& picture, const image::ImageF& truth) {
     return image::flip_hdr(image::rgb_planes(truth), image::rgb_planes(picture), picture.width, picture.height).mean;
 }
+
+std::unique_ptr<image::Denoiser> find_denoiser() {
+    try {
+        return std::make_unique<image::Denoiser>();
+    } catch (const Error&) {
+        return nullptr;
+    }
+}
+
+// What is told of a column: means over the looks.
+struct Measured {
+    double flip_sum = 0, flicker_sum = 0;
+    uint32_t flips = 0, flickers = 0;
+
+    void add_flip(double value) { flip_sum += value, ++flips; }
+    void add_flicker(double value) { flicker_sum += value, ++flickers; }
+    double flip() const { return flip_sum / flips; }
+    double flicker() const { return flicker_sum / flickers; }
+};
 
 class RealtimeReconstruction : public TruthTest, public ::testing::WithParamInterface<Sequence> {};
 
@@ -72,34 +56,37 @@ TEST_P(RealtimeReconstruction, frames_of_a_moving_sequence_are_near_the_referenc
     ASSERT_NE(scene, all.end());
     if (const std::string why = why_skipped(*scene); !why.empty()) return report_skip("reconstruct", scene->name, why);
     TruthStage on = set_up(load_scene(scene->source), truth_stage(*scene).camera);
-    const float distance = glm::length(on.stage->scene.bounds().center() - on.camera.position);
-    const ViewDesc desc = truth_view(on, picture_size(), 1, false);
+    const std::unique_ptr<image::Denoiser> oidn = find_denoiser();
     RealtimeOptions raw = truth_options(on, true), plain = raw, builtin = raw;
     plain.reconstruction = plain_control();
     builtin.reconstruction = ReconstructionOptions();
-    std::array runs{Played(on, desc, raw), Played(on, desc, plain), Played(on, desc, builtin)};
-    std::array<double, 3> flip{};
-    for (uint32_t frame = 0; frame <= kLooks.back(); ++frame) {
-        Scene& moving = on.stage->scene;
-        ChangeSet changes = moving.begin_frame();
-        for (const ScriptedEdit& scripted : on.scripted_edits)
-            for (const char* name : GetParam().scripts)
-                if (scripted.name == name) changes.append(moving.apply(scripted.apply(moving, frame / kFramesPerSecond)));
-        on.stage->scene_gpu.sync(moving, changes);
-        on.stage->scene_gpu.finish(on.stage->frame);
-        const CameraView camera = camera_at(on.camera, distance, frame);
-        const bool looks = std::find(kLooks.begin(), kLooks.end(), frame) != kLooks.end();
-        const image::ImageF truth = looks ? reference_at(on, camera, truth_effort() * by_size(scene->noisy ? 4096u : 2048u, 256u)) : image::ImageF();
-        for (size_t k = 0; k < runs.size(); ++k)
-            if (const image::ImageF picture = runs[k].next(on, camera); looks) flip[k] += flip_of(picture, truth) / kLooks.size();
-    }
+    std::vector<SequenceRun> runs{{"raw", raw, {"albedo", "normal", "depth", "motion"}}, {"plain", plain}, {"builtin", builtin}};
+    std::map<std::string, Measured> of;
+    std::map<std::string, image::ImageF> before;
+    uint32_t before_index = 0;
+    play(on, *scene, GetParam(), picture_size(), pixels_per_frame(), truth_effort() * by_size(scene->noisy ? 4096u : 2048u, 256u), kLooks, runs, [&](const SequenceFrame& frame) {
+        std::map<std::string, image::ImageF> now{{"reference", frame.reference}};
+        for (const SequenceRun& run : runs) now[run.name] = run.picture;
+        if (oidn) oidn->denoise(now["oidn"] = runs[0].picture);
+        for (const auto& [name, picture] : now) {
+            if (name == "reference") continue;
+            if (frame.index % 2 == 0) of[name].add_flip(flip_of(picture, frame.reference));
+            if (before_index + 1 == frame.index) of[name].add_flicker(flicker({before.at(name), picture}, {before.at("reference"), frame.reference}, {before.at("raw"), now.at("raw")}, on.exposure));
+        }
+        before = std::move(now);
+        before_index = frame.index;
+    });
+    std::string note;
+    for (const auto& [name, measured] : of) note += fmt::format("{} FLIP {:.3f}, flicker {:.4f}; ", name, measured.flip(), measured.flicker());
     const auto tell = [&](const char* what, double value, double most) {
-        report({.test = "reconstruct", .scene = scene->name, .what = what, .value = value, .low = value, .high = value, .least = 0, .most = most, .runs = 1, .frames = static_cast<uint32_t>(kLooks.size()),
-                .note = fmt::format("FLIP of a raw frame {:.3f}, of plain accumulation {:.3f}, of builtin {:.3f}", flip[0], flip[1], flip[2])});
+        report({.test = "reconstruct", .scene = scene->name, .what = what, .value = value, .low = value, .high = value, .least = 0, .most = most, .runs = 1, .frames = static_cast<uint32_t>(kLooks.size()), .note = note});
     };
     // Pictures of a few pixels have an edge in each, which no neighbour helps.
-    tell("FLIP over a raw frame's", flip[2] / flip[0], by_size(0.35, 0.8));
-    tell("FLIP over plain's", flip[2] / flip[1], by_size(0.8, 1.1));
+    tell("FLIP over a raw frame's", of["builtin"].flip() / of["raw"].flip(), by_size(0.35, 0.8));
+    tell("FLIP over plain's", of["builtin"].flip() / of["plain"].flip(), by_size(0.8, 1.1));
+    if (!oidn) return report_skip("reconstruct", scene->name, "Open Image Denoise was not found");
+    tell("FLIP over OIDN's", of["builtin"].flip() / of["oidn"].flip(), by_size(1.1, 1.5));
+    tell("flicker over OIDN's", of["builtin"].flicker() / of["oidn"].flicker(), by_size(0.25, 1.0));
 }
 INSTANTIATE_TEST_SUITE_P(Of, RealtimeReconstruction, ::testing::ValuesIn(kSequences), [](const auto& entry) { return std::string(entry.param.scene); });
 

@@ -10,6 +10,11 @@ struct IdentityPush {
     uint64_t view;
     uint32_t frame_index;
 };
+struct FollowPush {
+    uint64_t view, rays;
+    uint32_t frame_index;
+    float exposure;
+};
 struct SurfacesPush {
     uint64_t view, block;
     uint32_t frame_index;
@@ -45,6 +50,19 @@ void summarise_surfaces(Frame& frame, const SceneGpu& scene, const Film& film, c
         .write("depth", gbuffer.depth)
         .read_write("block", film.block)
         .push(SurfacesPush{.frame_index = frame_index, .exposure = exposure})
+        .over(gbuffer.identity.extent());
+}
+
+void follow_mirrors(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const Film& film, const GBuffer& gbuffer, uint32_t frame_index, float exposure) {
+    frame.trace("gbuffer/follow", way, (scene.features() & shared::kSceneLayers) != 0 ? "+LAYERS" : "")
+        .scene(scene.binding())
+        .read("view", film.view)
+        .read_write("identity", gbuffer.identity)
+        .read_write("summary", gbuffer.summary)
+        .read_write("rays", film.rays)
+        .write("motion", gbuffer.motion)
+        .write("depth", gbuffer.depth)
+        .push(FollowPush{.frame_index = frame_index, .exposure = exposure})
         .over(gbuffer.identity.extent());
 }
 

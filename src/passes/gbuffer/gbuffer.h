@@ -22,4 +22,7 @@ void trace_identity(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, cons
 // All the others from the identity, and the film's layers of what is seen first (albedo, normal, emission, roughness). `exposure` is what the summary's emission is multiplied by.
 void summarise_surfaces(Frame& frame, const SceneGpu& scene, const Film& film, const GBuffer& gbuffer, uint32_t frame_index, float exposure);
 
+// Where pixels see exact mirrors or panes, all but the identity's triangle becomes that of the surface that is seen through them.
+void follow_mirrors(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const Film& film, const GBuffer& gbuffer, uint32_t frame_index, float exposure);
+
 }  // namespace parhelion::passes

@@ -14,14 +14,14 @@ void advance(inout Footprint f, float t) {
 }
 void spread(inout Footprint f, float pdf, bool through) {
     if (!through) f.reflections += 1u;
-    f.broad = pdf > 0.0 && pdf <= 1.001 / kPi;
+    f.flags = f.flags & ~kLobeBroad | (pdf > 0.0 && pdf <= 1.001 / kPi ? kLobeBroad : 0u);
     if (pdf > 0.0) f.cone.spread += min(0.5 * inversesqrt(pdf * kPi), kWidestSpread);
 }
 
 // What the cache sends along the path from here; `last`: it must end here, so that all lobes count as diffuse ones. False: it may not end,
 // or nothing is known.
 bool end_in_cache(Cache cache, ViewData view, PathKey key, PathState path, Shading shading, VertexNumbers u, Footprint f, bool last, inout vec3 light) {
-    if (!last && !f.broad) return false;
+    if (!last && (f.flags & kLobeBroad) == 0u) return false;
     const Surface s = shading.s;
     // A cone that many lobes have widened is no measure of a small room: the last ray is.
     const CachePoint at = cache_point(s, -path.ray.direction_ws, cache_footprint(cache, min(f.cone.width, 2.0 * s.t), view.pixel_width + view.pixel_spread * f.way), level_number(key, path.path_class.bounce));
@@ -52,7 +52,7 @@ bool scatter_glossy(inout PathState path, Shading shading, VertexNumbers numbers
     alone = !is_layered(shading.bsdf) && !has_glass(shading.bsdf);
 #endif
     if (alone) u.x *= share;
-    if (!scatter(path, shading, u, false, alpha_key)) return false;
+    if (!scatter(path, shading, u, false, false, alpha_key)) return false;
     if (!alone) return true;
     if (path.pdf < 0.0) {
         path.throughput *= share;

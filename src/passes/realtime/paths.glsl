@@ -15,15 +15,15 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Distances { 
 struct Footprint {
     RayCone cone;
     float way;         // metres
-    bool broad;        // the last lobe was at least as broad as a cosine
-    uint reflections;  // scatterings so far that did not go through a surface
+    uint flags;        // kLobe...
+    uint reflections;  // scatterings so far that did not go through a surface, but for mirrors that are looked through
 };
 
 LightPath pack_light_path(PathState path, Footprint f) {
-    return LightPath(path.throughput, path.pdf, path.path_class.diffuse_share, path.travelled, f.cone.width, f.cone.spread, f.way, f.reflections | (f.broad ? kLobeBroad : 0u));
+    return LightPath(path.throughput, path.pdf, path.path_class.diffuse_share, path.travelled, f.cone.width, f.cone.spread, f.way, f.reflections | f.flags);
 }
 Footprint unpack_footprint(LightPath kept) {
-    return Footprint(RayCone(kept.cone_width, kept.cone_spread), kept.way, (kept.lobes & kLobeBroad) != 0u, kept.lobes & ~kLobeBroad);
+    return Footprint(RayCone(kept.cone_width, kept.cone_spread), kept.way, kept.lobes & kLobeFlags, kept.lobes & ~kLobeFlags);
 }
 PathState unpack_light_path(WavefrontRay ray, LightPath kept, LightPathInside inside) {
     PathState path;
@@ -46,10 +46,8 @@ uint pack_distance(float metres, PathClass by) {
     return packHalf2x16(max_component(by.diffuse_share) > 0.5 ? vec2(d, 0.0) : vec2(0.0, d));
 }
 
-// Adds light by its class: to the slot's sums, and where the film has layers of classes, to those.
-void add_light(Sums sums, uint slot, FilmBlock block, ViewData view, uint pixel, PathRadiance light) {
-    sums.v[slot].diffuse += light.direct_diffuse + light.indirect_diffuse;
-    sums.v[slot].specular += light.direct_specular + light.indirect_specular + light.transmission;
-    film_add_path_classes(block, view, pixel, light);
+void add_light(Sums sums, uint slot, vec3 diffuse, vec3 specular) {
+    sums.v[slot].diffuse += diffuse;
+    sums.v[slot].specular += specular;
 }
 #endif

@@ -16,6 +16,7 @@
 #include "lights/candidates.glsl"
 #include "realtime/paths.glsl"
 #include "scene/begin_path.glsl"
+#include "scene/follow.glsl"
 #include "wavefront/linear.glsl"
 #include "wavefront/lists.glsl"
 #ifdef CACHE
@@ -54,9 +55,9 @@ layout(push_constant, scalar) uniform Push {
 Footprint footprint;
 vec3 from_cache = vec3(0.0);  // what the vertex got from there
 
-NextEvent ask_for_light(ViewData view, PathKey key, PathState path, Shading shading, VertexNumbers u) {
+NextEvent ask_for_light(ViewData view, PathKey key, PathState path, Shading shading, VertexNumbers u, bool first) {
     const uint shadow_key = alpha_key(key, path.path_class.bounce, kRayShadow);
-    const bool resampled = path.path_class.bounce == 0u && push.frame.tiles != 0u;
+    const bool resampled = first && push.frame.tiles != 0u;
     vec4 u_light = u.light;
     Candidate kept = Candidate(0u, kNone, 0u, 1.0);
     LightPick pick;
@@ -73,48 +74,71 @@ NextEvent ask_for_light(ViewData view, PathKey key, PathState path, Shading shad
 
 void scatter_at(ViewData view, PathKey key, Shading shading, VertexNumbers u, inout PathState path, inout VertexResult result) {
     const uint bounce = path.path_class.bounce, next_key = alpha_key(key, bounce + 1u, kRayPath);
+    const bool straight = (footprint.flags & kLobeStraight) != 0u, mirror = straight && push.round + 1u < kMostFollowed && is_mirror(shading.s);
+    const bool first = bounce == 0u || straight;
+    footprint.flags &= ~kLobeFirst;
+    if (!mirror) footprint.flags = footprint.flags & ~kLobeStraight | (first ? kLobeFirst : 0u) | (straight && bounce != 0u ? kLobeBehind : 0u);
 #ifdef CACHE
     advance(footprint, path.travelled + shading.s.t);
-    const bool last = footprint.reflections >= push.frame.path_bounces && may_end_in_cache(shading);
-    const bool ended = bounce != 0u && end_in_cache(push.cache, view, key, path, shading, u, footprint, last, from_cache);
+    const bool last = !first && footprint.reflections >= push.frame.path_bounces && may_end_in_cache(shading);
+    const bool ended = !first && end_in_cache(push.cache, view, key, path, shading, u, footprint, last, from_cache);
     float glossy_share = 1.0;
     if (ended && (last || !keep_glossy(path, shading, key, glossy_share))) return;
-    result.event = ask_for_light(view, key, path, shading, u);
+    if (!mirror) result.event = ask_for_light(view, key, path, shading, u, first);
     if (ended) {
         result.event.value.diffuse = vec3(0.0);
         result.event.exists = result.event.exists && max_component(total(result.event.value)) > 0.0;
     }
     if (last) return;
-    result.goes_on = ended ? scatter_glossy(path, shading, u, glossy_share, next_key) : scatter(path, shading, u.scatter, true, next_key);
-    spread(footprint, path.pdf, dot(path.ray.direction_ws, shading.n_geometric_ws) < 0.0);
+    result.goes_on = ended ? scatter_glossy(path, shading, u, glossy_share, next_key) : scatter(path, shading, u.scatter, true, first && !mirror, next_key);
+    spread(footprint, path.pdf, mirror || dot(path.ray.direction_ws, shading.n_geometric_ws) < 0.0);
 #else
-    result.event = ask_for_light(view, key, path, shading, u);
-    result.goes_on = scatter(path, shading, u.scatter, true, next_key);
+    if (!mirror) result.event = ask_for_light(view, key, path, shading, u, first);
+    result.goes_on = scatter(path, shading, u.scatter, true, first && !mirror, next_key);
 #endif
     // One BSDF sample stands against all candidates.
-    if (bounce == 0u && push.frame.tiles != 0u && path.pdf > 0.0) path.pdf /= float(push.frame.candidates);
+    if (first && push.frame.tiles != 0u && path.pdf > 0.0) path.pdf /= float(push.frame.candidates);
 }
 
+// The class in the film's layers: by the first surface, whatever surface the signals are of.
+PathClass film_class(PathClass path_class, uint lobes) { return PathClass(path_class.bounce, path_class.transmitted, (lobes & kLobeBehind) != 0u ? vec3(0.0) : path_class.diffuse_share); }
+
+// Whether light that arrives is seen straight, and else, which share of it the diffuse signal has.
+bool is_seen_straight(PathClass path_class, uint lobes) { return push.frame.follows != 0u ? (lobes & kLobeStraight) != 0u : path_class.bounce == 0u && !path_class.transmitted; }
+vec3 diffuse_share(PathClass path_class) { return push.frame.follows == 0u && path_class.transmitted ? vec3(0.0) : path_class.diffuse_share; }
+
 // Light that is there without a shadow ray.
-void keep_arriving(ViewData view, uint slot, uint pixel, PathClass path_class, vec3 arriving) {
-    PathRadiance light = make_path_radiance();
-    add_arriving(light, path_class, arriving);
-    add_sampled(light, path_class, from_cache, kNoBsdfValue);
+void keep_arriving(ViewData view, uint slot, uint pixel, PathClass path_class, uint lobes, vec3 arriving) {
     if (push.round == 0u) {
         push.sums.v[slot] = LightSums(vec3(0.0), vec3(0.0));
-        push.emission.v[pixel] = pack_light(light.emission * push.frame.exposure);
-    } else if (light.emission != vec3(0.0)) push.emission.v[pixel] = pack_light(unpack_light(push.emission.v[pixel]) + light.emission * push.frame.exposure);
-    if (light.beauty != vec3(0.0)) add_light(push.sums, slot, push.block, view, pixel, light);
+        push.emission.v[pixel] = pack_light(vec3(0.0));
+    }
+    if (arriving == vec3(0.0) && from_cache == vec3(0.0)) return;
+    if (is_seen_straight(path_class, lobes)) push.emission.v[pixel] = pack_light(unpack_light(push.emission.v[pixel]) + arriving * push.frame.exposure);
+    else {
+        const vec3 share = diffuse_share(path_class);
+        add_light(push.sums, slot, share * arriving + share * from_cache, (1.0 - share) * arriving + (1.0 - share) * from_cache);
+    }
+    PathRadiance light = make_path_radiance();
+    add_arriving(light, film_class(path_class, lobes), arriving);
+    add_sampled(light, film_class(path_class, lobes), from_cache, kNoBsdfValue);
+    film_add_path_classes(push.block, view, pixel, light);
 }
 
 // For Connect: the shadow ray, and what it brings.
-void keep_event(uint slot, uint pixel, PathClass path_class, NextEvent event) {
+void keep_event(uint slot, uint pixel, PathClass path_class, uint lobes, NextEvent event) {
     push.shadow_rays.v[slot] = WavefrontShadowRay(event.ray.origin_ws, event.ray.t_max, event.ray.direction_ws, event.ray.alpha_key);
-    PathRadiance light = make_path_radiance();
-    add_sampled(light, path_class, total(event.value), event.value);
     // A direction lies before the surface or behind it: what goes through comes alone.
-    const uint kind = light.transmission != vec3(0.0) ? kLightTransmitted : path_class.bounce == 0u ? kLightDirect : kLightIndirect;
-    push.pending.v[slot] = LightPending(light.direct_diffuse + light.indirect_diffuse, pixel, light.direct_specular + light.indirect_specular + light.transmission, kind);
+    const bool through = path_class.transmitted || (path_class.bounce == 0u && event.value.transmission != vec3(0.0));
+    const bool behind = (lobes & (kLobeBehind | kLobeStraight)) != 0u && path_class.bounce != 0u;
+    const uint kind = through ? kLightTransmitted : behind ? kLightReflected : path_class.bounce == 0u ? kLightDirect : kLightIndirect;
+    vec3 diffuse = event.value.diffuse, specular = event.value.specular + event.value.transmission;
+    if (!is_seen_straight(path_class, lobes)) {
+        const vec3 share = diffuse_share(path_class), sum = total(event.value);
+        diffuse = share * sum;
+        specular = (1.0 - share) * sum;
+    }
+    push.pending.v[slot] = LightPending(diffuse, pixel, specular, kind);
 }
 
 // The path that a slot has, and what it met.
@@ -122,7 +146,7 @@ PathState take_path(ViewData view, PathKey key, uint slot, out WavefrontHit met)
     if (push.round == 0u) {
         const uvec4 which = imageLoad(identity, ivec2(key.pixel));
         met = WavefrontHit(which.x, which.y, which.z);
-        footprint = Footprint(RayCone(view.pixel_width, view.pixel_spread), 0.0, false, 0u);
+        footprint = Footprint(RayCone(view.pixel_width, view.pixel_spread), 0.0, push.frame.follows != 0u ? kLobeStraight : 0u, 0u);
         return begin_path(view, key);
     }
     met = push.hits.v[slot];
@@ -140,14 +164,15 @@ VertexResult shade(uint slot) {
     WavefrontHit met;
     PathState path = take_path(view, key, slot, met);
     const PathClass before = path.path_class;
+    const uint lobes = footprint.flags;
     FirstHit first;
     VertexResult vertex;
     if (met.instance_bits == kHitMiss) vertex = end_in_sky(view, path, first);
     else vertex = shade_vertex(view, key, Hit(met.instance_bits, met.geometry, met.primitive, 0u, 0.0), path, first);
     if (push.round != 0u) film_add(push.block, view, kFilmDebugRays, pixel, vec3(1.0));
-    if (push.round <= 1u) push.distances.v[pixel] = push.round == 0u ? 0u : pack_distance(vertex.t, before);
-    keep_arriving(view, slot, pixel, before, vertex.arriving);
-    if (vertex.event.exists) keep_event(slot, pixel, before, vertex.event);
+    if (push.round == 0u || (lobes & kLobeFirst) != 0u) push.distances.v[pixel] = push.round == 0u ? 0u : pack_distance(vertex.t, before);
+    keep_arriving(view, slot, pixel, before, lobes, vertex.arriving);
+    if (vertex.event.exists) keep_event(slot, pixel, before, lobes, vertex.event);
     if (vertex.goes_on) {
         push.rays.v[slot] = pack_ray(path);
         push.paths.v[slot] = pack_light_path(path, footprint);

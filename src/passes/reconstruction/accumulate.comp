@@ -4,14 +4,13 @@
 // reflection was seen, whichever agrees. Histories are short where the light of a tile and its neighbours has changed by more than noise.
 // Schied et al. 2017 (SVGF) for the means; Zhdan 2021 (ReBLUR) for virtual motion and the fast history; Schied et al. 2018 (A-SVGF) for the
 // idea to shorten histories by what changed, here told by a test of means.
-// Reads: view, identity, summary, motion, depth, signals (diffuse, specular, distances), the last frame's guide, light and state, and changes.
+// Reads: view, identity, summary, motion, depth, signals (diffuse, specular, distances), the last frame's guide, light and state, and verdicts on change.
 // Writes: guide, normals (geometric), light, state, tiles.
 #extension GL_GOOGLE_include_directive : require
 #include "lib/hash.glsl"
 #include "lib/packed_light.glsl"
 #include "lib/projection.glsl"
 #include "reconstruction/fireflies.glsl"
-#include "shared/hit.h"
 
 layout(local_size_x = kChangeTile, local_size_y = kChangeTile) in;
 layout(set = 1, binding = 0, rgba32ui) uniform readonly uimage2D identity;
@@ -22,6 +21,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vie
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Noisy { PackedLight v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Words { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Pairs { uvec2 v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Verdicts { ChangeVerdict v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer NewWords { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) writeonly buffer NewPairs { uvec2 v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer NewTiles { ChangeTile v[]; };
@@ -31,7 +31,7 @@ layout(push_constant, scalar) uniform Push {
     Words distances;
     Pairs guide_before, diffuse_before, specular_before;
     Words state_before;
-    Words changes;
+    Verdicts verdicts;
     NewPairs guide, diffuse_now, specular_now;
     NewWords normals, state;
     NewTiles tiles;
@@ -40,48 +40,74 @@ layout(push_constant, scalar) uniform Push {
 #include "reconstruction/history.glsl"
 
 const uint kPixels = kChangeTile * kChangeTile;
-shared float told[7][kPixels];
-
-uint surface_id(uvec4 which) { return which.x == kHitMiss ? 0u : max(pcg_hash((which.x & kHitInstanceMask) ^ which.y << 20) & 0xFFFFu, 1u); }
+const uint kTold = 11u;
+shared float told[kTold][kPixels];
 
 void load_light(ViewData view, uint i) {
     const ivec2 at = ivec2(gl_WorkGroupID.xy * kChangeTile) + ivec2(i % kSide, i / kSide) - int(kRing);
     const bool inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(view.width, view.height)));
-    lit_id[i] = inside ? surface_id(imageLoad(identity, at)) : 0u;
+    lit_id[i] = inside ? imageLoad(summary, at).z >> kSummaryIdShift : 0u;
     const uint pixel = inside ? uint(at.y) * view.width + uint(at.x) : 0u;
     lit_diffuse[i] = unpack_light(push.diffuse.v[pixel]);
     lit_specular[i] = unpack_light(push.specular.v[pixel]);
     lit[i] = vec2(luminance(lit_diffuse[i]), luminance(lit_specular[i]));
 }
 
-// How sure it is that the signals' light has changed, between the tiles around.
-vec2 find_change(ViewData view, vec2 before_px) {
+// The verdicts of the tiles around on the two signals.
+struct Change {
+    vec2 changed, worth, drift;
+};
+Change find_change(ViewData view, vec2 before_px) {
     const ivec2 last = (ivec2(view.width, view.height) + int(kChangeTile) - 1) / int(kChangeTile) - 1;
     const vec2 place = before_px / float(kChangeTile) - 0.5, f = fract(place);
-    vec2 sum = vec2(0.0);
+    Change sum = Change(vec2(0.0), vec2(0.0), vec2(0.0));
     for (int i = 0; i < 4; ++i) {
         const ivec2 step = ivec2(i & 1, i >> 1), at = clamp(ivec2(floor(place)) + step, ivec2(0), last);
         const vec2 weights = mix(1.0 - f, f, vec2(step));
-        sum += weights.x * weights.y * unpackHalf2x16(push.changes.v[at.y * (last.x + 1) + at.x]);
+        const float weight = weights.x * weights.y;
+        const ChangeVerdict there = push.verdicts.v[at.y * (last.x + 1) + at.x];
+        sum.changed += weight * unpackHalf2x16(there.changed);
+        sum.worth += weight * unpackHalf2x16(there.worth);
+        sum.drift += weight * unpackHalf2x16(there.drift);
     }
+    sum.drift *= push.frame.exposure_scale;
     return sum;
 }
 
 float blend_hit(float before, float now) { return now <= 0.0 ? before : before <= 0.0 ? now : mix(before, now, 0.25); }
 
-// The specular history where the reflection was seen, for a mirror in the surface's plane that stands still; mixed in as far as what was
-// reflected there lay as far away. What is left of the surface's own history lasts for as long as the lobe is wider than the parallax.
-void find_reflection(ViewData view, vec2 film_px, vec2 before_px, Sought s, Guide here, float hit_now, inout Signal specular) {
+// Of the surface, 1 / m, positive where it bulges out, by how normals turn two pixels to each side. What its coded normals cannot tell from flat
+// is flat.
+float find_curvature(ViewData view, ivec2 middle, Sought s, vec3 position_ws) {
+    float sum = 0.0, count = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        const ivec2 at = middle + ivec2[](ivec2(-2, 0), ivec2(2, 0), ivec2(0, -2), ivec2(0, 2))[i];
+        if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(view.width, view.height)))) continue;
+        const uvec4 there = imageLoad(summary, at);
+        if (there.z >> kSummaryIdShift != s.id) continue;
+        const Guide guide = unpack_guide(pack_guide(imageLoad(depth, at).x, view.camera.orthographic != 0u, there));
+        const vec3 turn = guide.normal - s.normal_ws, along = place(view.camera, vec2(at) + 0.5 + push.frame.jitter, vec2(view.width, view.height), guide.depth) - position_ws;
+        if (dot(turn, turn) > 2e-6) sum += dot(turn, along) / max(dot(along, along), 1e-20);
+        count += 1.0;
+    }
+    return sum / max(count, 1.0);
+}
+
+// The specular history where the reflection was seen, for a mirror that stands still, flat or bent, whose image is as far behind it as the mirror
+// equation says; mixed in as far as what was reflected there lay as far away. What is left of the surface's own history lasts for as long as the
+// lobe is wider than the parallax.
+void find_reflection(ViewData view, ivec2 id, vec3 position_ws, vec2 film_px, vec2 before_px, Sought s, Guide here, float hit_now, inout Signal specular) {
     const float hit = here.roughness < 0.1 && hit_now > 0.0 ? hit_now : blend_hit(specular.hit, hit_now);
     if (push.frame.virtual_motion == 0u || hit <= 0.0) return;
+    const float image = hit / max(1.0 + 2.0 * find_curvature(view, id, s, position_ws) * hit, 0.25);
     const vec3 along = view.camera.orthographic != 0u ? view.camera.forward_ws : normalize(s.position_ws - view.camera.position_ws);
     const vec2 size = vec2(view.width, view.height);
-    const FilmPoint seen = project_point(view.camera_before, s.position_ws + hit * along, size);
+    const FilmPoint seen = project_point(view.camera_before, s.position_ws + image * along, size);
     if (!seen.in_front) return;
     const vec2 there = seen.film_px - push.frame.jitter;
     const float parallax = distance(there, before_px);
     if (parallax < 0.05) return;
-    const float lobe = lobe_tangent(here.roughness) * hit / ((here.depth + hit) * max(pixel_size(view, here.depth) / here.depth, 1e-9));
+    const float lobe = lobe_tangent(here.roughness) * image / ((here.depth + image) * max(pixel_size(view, here.depth) / here.depth, 1e-9));
     specular.frames = min(specular.frames, (lobe + 0.25) / parallax);
     const Taps taps = find_taps(view, there, s);
     if (taps.weights.x + taps.weights.y + taps.weights.z + taps.weights.w <= 0.0) return;
@@ -93,8 +119,8 @@ void find_reflection(ViewData view, vec2 film_px, vec2 before_px, Sought s, Guid
 }
 
 // The history with one more frame, whose light it is as far as it has changed.
-Signal advance(Signal before, vec3 light, float hit, float changed) {
-    const float frames = min(before.frames * (1.0 - changed) + 1.0, float(push.frame.history)), share = 1.0 / frames;
+Signal advance(Signal before, vec3 light, float hit, float changed, float worth) {
+    const float frames = min(before.frames * (1.0 - changed) + 1.0, max(worth, 1.0)), share = 1.0 / frames;
     const float l = luminance(light), off = l - luminance(before.light);
     Signal now;
     now.light = mix(before.light, light, share);
@@ -105,24 +131,25 @@ Signal advance(Signal before, vec3 light, float hit, float changed) {
     return now;
 }
 
-// For the next frame's test of change. Only what has a history says something.
-void tell(uint thread, Signal diffuse, Signal specular, float diffuse_now, float specular_now) {
-    const bool d = diffuse.frames >= 3.0, s = specular.frames >= 3.0;
-    told[0][thread] = d ? diffuse_now : 0.0;
-    told[1][thread] = d ? luminance(diffuse.light) : 0.0;
-    told[2][thread] = d ? diffuse.deviation * diffuse.deviation * (1.0 + 1.0 / diffuse.frames) : 0.0;
-    told[3][thread] = s ? specular_now : 0.0;
-    told[4][thread] = s ? luminance(specular.light) : 0.0;
-    told[5][thread] = s ? specular.deviation * specular.deviation * (1.0 + 1.0 / specular.frames) : 0.0;
-    told[6][thread] = d || s ? 1.0 : 0.0;
+// For the next frame's verdicts. Only what has a history says something.
+void tell(uint thread, uint first, Signal history, float now, float drift_before) {
+    const bool says = history.frames >= 3.0;
+    const float before = luminance(history.light), variance = history.deviation * history.deviation * (1.0 + 1.0 / max(history.frames, 1.0));
+    told[first][thread] = says ? now : 0.0;
+    told[first + 1u][thread] = says ? before : 0.0;
+    told[first + 2u][thread] = says ? variance : 0.0;
+    told[first + 3u][thread] = says ? mix(drift_before, (now - before) / history.frames, kDriftShare) : 0.0;
+    told[first + 4u][thread] = says ? variance / (history.frames * history.frames) : 0.0;
 }
 void sum_tile(uint thread) {
     for (uint half_of = kPixels / 2u; half_of != 0u; half_of /= 2u) {
         barrier();
         if (thread < half_of)
-            for (uint k = 0u; k < 7u; ++k) told[k][thread] += told[k][thread + half_of];
+            for (uint k = 0u; k < kTold; ++k) told[k][thread] += told[k][thread + half_of];
     }
-    if (thread == 0u) push.tiles.v[gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x] = ChangeTile(told[0][0], told[1][0], told[2][0], told[3][0], told[4][0], told[5][0], told[6][0], 0.0);
+    if (thread != 0u) return;
+    const ChangeSums diffuse = ChangeSums(told[0][0], told[1][0], told[2][0], told[3][0], told[4][0]), specular = ChangeSums(told[5][0], told[6][0], told[7][0], told[8][0], told[9][0]);
+    push.tiles.v[gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x] = ChangeTile(diffuse, specular, told[10][0]);
 }
 
 void keep(uint pixel, uint plane, uvec2 id, Signal diffuse, Signal specular, uint surface) {
@@ -144,6 +171,7 @@ void main() {
     for (uint i = thread; i < kInner * kInner; i += kPixels) find_gifts(i, push.frame.firefly);
     barrier();
     Signal diffuse = kNoSignal, specular = kNoSignal;
+    Change change = Change(vec2(0.0), vec2(push.frame.history), vec2(0.0));
     vec3 diffuse_now = vec3(0.0), specular_now = vec3(0.0);
     const uint surface = lit_id[(local.y + kRing) * kSide + local.x + kRing];
     if (surface != 0u) {
@@ -153,9 +181,9 @@ void main() {
         const uint normal = imageLoad(identity, ivec2(id)).w;
         const vec2 film_px = vec2(id) + 0.5, before_px = film_px + imageLoad(motion, ivec2(id)).xy, size = vec2(view.width, view.height);
         const vec2 hits = unpackHalf2x16(push.distances.v[pixel]);
-        vec2 changed = vec2(0.0);
         if (push.frame.has_history != 0u && !any(isinf(before_px))) {
-            Sought s = Sought(place(view.camera, film_px + push.frame.jitter, size, here.depth), unpack_direction(normal), here.normal, 0.8, 0.005 * here.depth, surface);
+            const vec3 position_ws = place(view.camera, film_px + push.frame.jitter, size, here.depth);
+            Sought s = Sought(position_ws, unpack_direction(normal), here.normal, 0.8, 0.005 * here.depth, surface);
             // What moves by itself was elsewhere in space, as far off as its pixel tells; along the view, that it does not.
             const FilmPoint still = project_point(view.camera_before, s.position_ws, size);
             if (!still.in_front || distance(still.film_px - push.frame.jitter, before_px) > 0.05) {
@@ -163,16 +191,18 @@ void main() {
                 s.slack = 0.04 * here.depth;
             }
             read_history(view, find_taps(view, before_px, s), surface, diffuse, specular);
-            find_reflection(view, film_px, before_px, s, here, hits.y, specular);
-            changed = find_change(view, before_px);
+            find_reflection(view, ivec2(id), position_ws, film_px, before_px, s, here, hits.y, specular);
+            change = find_change(view, before_px);
         }
         push.guide.v[pixel] = packed_guide;
         push.normals.v[pixel] = normal;
-        keep(pixel, plane, id, advance(diffuse, diffuse_now, hits.x, changed.x), advance(specular, specular_now, hits.y, changed.y), surface);
+        keep(pixel, plane, id, advance(diffuse, diffuse_now, hits.x, change.changed.x, change.worth.x), advance(specular, specular_now, hits.y, change.changed.y, change.worth.y), surface);
     } else if (id.x < view.width && id.y < view.height) {
         push.guide.v[pixel] = uvec2(0x7F800000u, 0u);
         keep(pixel, plane, id, kNoSignal, kNoSignal, 0u);
     }
-    tell(thread, diffuse, specular, luminance(diffuse_now), luminance(specular_now));
+    tell(thread, 0u, diffuse, luminance(diffuse_now), change.drift.x);
+    tell(thread, 5u, specular, luminance(specular_now), change.drift.y);
+    told[10][thread] = max(diffuse.frames, specular.frames) >= 3.0 ? 1.0 : 0.0;
     sum_tile(thread);
 }

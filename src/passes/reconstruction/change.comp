@@ -1,44 +1,73 @@
 #version 460
-// Where light has changed since the histories began: the mean of the last frame over tiles around, held against that of the histories.
-// A change counts as far as it stands out of the standard error of so many pixels, over 3 by 3 or 5 by 5 tiles.
-// Reads: tiles. Writes: changes (half2 a tile, diffuse and specular; 0: none, 1: for sure).
+// Where light has changed since the histories began, and how fast it drifts away from them, by the last frame's tiles.
+// A change counts as far as the frame's mean stands out of the histories' by standard errors of so many pixels, over 3 by 3, 5 by 5 or 9 by 9 tiles.
+// A drift of r a frame leaves a history of N frames r N behind, and its noise is s / sqrt(N), of which the spatial filter leaves 1 / sqrt(K):
+// the sum of the squares is least at N^3 = s^2 / (2 K r^2).
+// Reads: tiles. Writes: verdicts.
 #extension GL_GOOGLE_include_directive : require
 #include "shared/reconstruction.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Tiles { ChangeTile v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Changes { uint v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Verdicts { ChangeVerdict v[]; };
 layout(push_constant, scalar) uniform Push {
     Tiles tiles;
-    Changes changes;
+    Verdicts verdicts;
     uvec2 size;     // in tiles
     float antilag;  // ReconstructionFrame::antilag
+    float history;  // frames at most
 } push;
 
-// Of what the frame brought, what the histories said, and the variance of the first.
-float judge(vec3 sum) {
-    const float change = abs(sum.x - sum.y), stands_out = change / max(sqrt(sum.z), 1e-12), share = change / max(max(sum.x, sum.y), 1e-12);
+const float kFiltered = 1000.0;   // K: lag covers whole surfaces and is seen before noise
+const float kStandsOut = 9.0;     // squared standard errors that a drift must stand out by
+const int kFarthest = 4;          // tiles
+
+ChangeSums add(ChangeSums a, ChangeSums b) { return ChangeSums(a.now + b.now, a.before + b.before, a.variance + b.variance, a.drift + b.drift, a.drift_variance + b.drift_variance); }
+
+void add(inout ChangeTile sum, ChangeTile t) { sum = ChangeTile(add(sum.diffuse, t.diffuse), add(sum.specular, t.specular), sum.count + t.count); }
+
+float judge(ChangeSums sum) {
+    const float change = abs(sum.now - sum.before), stands_out = change / max(sqrt(sum.variance), 1e-12), share = change / max(max(sum.now, sum.before), 1e-12);
     return smoothstep(push.antilag, 2.0 * push.antilag, stands_out) * smoothstep(0.1, 0.25, share);
 }
 
-vec2 find_change(ivec2 middle, int radius) {
-    vec3 diffuse = vec3(0.0), specular = vec3(0.0);
-    float count = 0.0;
-    for (int y = -radius; y <= radius; ++y)
-        for (int x = -radius; x <= radius; ++x) {
-            const ivec2 at = middle + ivec2(x, y);
-            if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(push.size)))) continue;
-            const ChangeTile t = push.tiles.v[uint(at.y) * push.size.x + uint(at.x)];
-            diffuse += vec3(t.diffuse_now, t.diffuse_before, t.diffuse_variance);
-            specular += vec3(t.specular_now, t.specular_before, t.specular_variance);
-            count += t.count;
-        }
-    return count < 16.0 ? vec2(0.0) : vec2(judge(diffuse), judge(specular));
+float worth(ChangeSums sum, float count) {
+    const float noise = sum.drift_variance * kDriftShare / (2.0 - kDriftShare);  // of a running mean
+    const float drift = (sum.drift * sum.drift - kStandsOut * noise) / count;                 // squares, times `count`
+    return drift <= 0.0 ? push.history : clamp(pow(sum.variance / (2.0 * kFiltered * drift), 1.0 / 3.0), 1.0, push.history);
+}
+
+struct Verdict {
+    vec2 changed, worth;
+};
+void weigh(inout Verdict verdict, ChangeTile sum) {
+    if (sum.count < 16.0) return;
+    verdict.changed = max(verdict.changed, vec2(judge(sum.diffuse), judge(sum.specular)));
+    verdict.worth = min(verdict.worth, vec2(worth(sum.diffuse, sum.count), worth(sum.specular, sum.count)));
 }
 
 void main() {
     const uvec2 id = gl_GlobalInvocationID.xy;
     if (id.x >= push.size.x || id.y >= push.size.y) return;
-    const vec2 change = push.antilag <= 0.0 ? vec2(0.0) : max(find_change(ivec2(id), 1), find_change(ivec2(id), 2));
-    push.changes.v[id.y * push.size.x + id.x] = packHalf2x16(change);
+    const uint tile = id.y * push.size.x + id.x;
+    const ChangeSums kNone = ChangeSums(0.0, 0.0, 0.0, 0.0, 0.0);
+    ChangeTile near = ChangeTile(kNone, kNone, 0.0), around = near, far = near;  // 3 by 3, 5 by 5, 9 by 9
+    for (int y = -kFarthest; y <= kFarthest; ++y)
+        for (int x = -kFarthest; x <= kFarthest; ++x) {
+            const ivec2 at = ivec2(id) + ivec2(x, y);
+            if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(push.size)))) continue;
+            const ChangeTile t = push.tiles.v[uint(at.y) * push.size.x + uint(at.x)];
+            const int distance = max(abs(x), abs(y));
+            add(far, t);
+            if (distance <= 2) add(around, t);
+            if (distance <= 1) add(near, t);
+        }
+    Verdict verdict = Verdict(vec2(0.0), vec2(push.history));
+    if (push.antilag > 0.0) {
+        weigh(verdict, near);
+        weigh(verdict, around);
+        weigh(verdict, far);
+    }
+    const ChangeTile own = push.tiles.v[tile];
+    push.verdicts.v[tile] = ChangeVerdict(packHalf2x16(verdict.changed), packHalf2x16(verdict.worth), packHalf2x16(vec2(own.diffuse.drift, own.specular.drift) / max(own.count, 1.0)));
 }

@@ -7,13 +7,13 @@ namespace parhelion::passes {
 namespace {
 
 struct AccumulatePush {
-    uint64_t view, diffuse, specular, distances, guide_before, diffuse_before, specular_before, state_before, changes, guide, diffuse_now, specular_now, normals, state, tiles;
+    uint64_t view, diffuse, specular, distances, guide_before, diffuse_before, specular_before, state_before, verdicts, guide, diffuse_now, specular_now, normals, state, tiles;
     shared::ReconstructionFrame frame;
 };
 struct ChangePush {
-    uint64_t tiles, changes;
+    uint64_t tiles, verdicts;
     glm::uvec2 size;
-    float antilag;
+    float antilag, history;
 };
 struct SettlePush {
     uint64_t view, guide, state, diffuse, specular, diffuse_out, specular_out;
@@ -52,18 +52,18 @@ ReconstructionHistory make_reconstruction_history(const gpu::DevicePtr& device, 
             .picture = gpu::Image(device, "reconstruction/picture", {.format = gpu::Format::Rgba16Float, .extent = picture})};
 }
 
-gpu::Buffer find_changes(const ReconstructionPass& pass) {
+gpu::Buffer judge_changes(const ReconstructionPass& pass) {
     const gpu::Extent tiles = tiles_of(pass.input.gbuffer.identity.extent());
-    const gpu::Buffer changes = pass.frame.buffer("reconstruction/changes", uint64_t{tiles.width} * tiles.height * sizeof(uint32_t));
+    const gpu::Buffer verdicts = pass.frame.buffer("reconstruction/verdicts", uint64_t{tiles.width} * tiles.height * sizeof(shared::ChangeVerdict));
     pass.frame.compute("reconstruction/change")
         .read("tiles", pass.before.tiles)
-        .write("changes", changes)
-        .push(ChangePush{.size = {tiles.width, tiles.height}, .antilag = pass.settings.has_history != 0 ? pass.settings.antilag : 0.0f})
+        .write("verdicts", verdicts)
+        .push(ChangePush{.size = {tiles.width, tiles.height}, .antilag = pass.settings.has_history != 0 ? pass.settings.antilag : 0.0f, .history = static_cast<float>(pass.settings.history)})
         .over(tiles);
-    return changes;
+    return verdicts;
 }
 
-void accumulate_light(const ReconstructionPass& pass, const gpu::Buffer& changes) {
+void accumulate_light(const ReconstructionPass& pass, const gpu::Buffer& verdicts) {
     const ReconstructionInput& in = pass.input;
     pass.frame.compute("reconstruction/accumulate")
         .read("view", in.film.view)
@@ -78,7 +78,7 @@ void accumulate_light(const ReconstructionPass& pass, const gpu::Buffer& changes
         .read("diffuse_before", pass.before.diffuse)
         .read("specular_before", pass.before.specular)
         .read("state_before", pass.before.state)
-        .read("changes", changes)
+        .read("verdicts", verdicts)
         .write("guide", pass.now.guide)
         .write("diffuse_now", pass.now.diffuse)
         .write("specular_now", pass.now.specular)

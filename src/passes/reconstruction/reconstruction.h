@@ -37,6 +37,7 @@ struct ReconstructionOptions {
     float antilag = 3.0f;        // standard errors; 0: histories never shorten
     float clamp_width = 2.0f;    // deviations of the fast history; 0: no clamp
     bool virtual_motion = true;
+    bool follow = true;          // what is seen through exact mirrors and panes stands in their place
     bool antialias = true;       // jitter and temporal anti-aliasing
     uint32_t picture_history = 16;
     float kernel = 0.25f;        // pixels: deviation of the reconstruction kernel
@@ -62,8 +63,8 @@ struct ReconstructionPass {
     const ReconstructionOptions& options;
     shared::ReconstructionFrame settings;
 };
-gpu::Buffer find_changes(const ReconstructionPass& pass);  // half2[tiles]: how sure it is that the last frame's light had changed, diffuse and specular
-void accumulate_light(const ReconstructionPass& pass, const gpu::Buffer& changes);
+gpu::Buffer judge_changes(const ReconstructionPass& pass);  // ChangeVerdict[tiles], by the last frame's tiles
+void accumulate_light(const ReconstructionPass& pass, const gpu::Buffer& verdicts);
 void settle_history(const ReconstructionPass& pass);   // its result is in input.signals' diffuse and specular
 // Step `index` of options.steps, the result being in before's light and in input.signals' by turns; the last step (with none, the only one)
 // leaves the picture's colours. Returns where: half4[pixels].

@@ -40,7 +40,8 @@ void main() {
     const uint pixels = uint(size.x) * uint(size.y), pixel = id.y * uint(size.x) + id.x;
     const uvec4 which = imageLoad(identity, at), packed = imageLoad(summary, at);
     const Hit hit = Hit(which.x, which.y, which.z, 0u, 0.0);
-    const bool sky = is_miss(hit);
+    const uint surface = packed.z >> kSummaryIdShift;
+    const bool sky = surface == 0u;
     const Guide guide = unpack_guide(pack_guide(imageLoad(depth, at).x, push.view.data.camera.orthographic != 0u, packed));
     const Demodulation by = demodulation(packed);
     keep(kInputDiffuse, pixel, pixels, unpack_light(push.diffuse.v[pixel]));
@@ -54,6 +55,7 @@ void main() {
     keep(kInputHits, pixel, pixels, unpackHalf2x16(push.distances.v[pixel]));
     keep(kInputDepth, pixel, pixels, guide.depth);
     keep(kInputMotion, pixel, pixels, imageLoad(motion, at).xy);
-    const uvec3 ids = sky ? uvec3(0xFFFFFFFFu) : uvec3(hit_instance(hit), which.yz);
+    push.planes.v[kInputSurface * pixels + pixel] = surface;
+    const uvec3 ids = is_miss(hit) ? uvec3(0xFFFFFFFFu) : uvec3(hit_instance(hit), which.yz);
     for (uint k = 0u; k < 3u; ++k) push.planes.v[(kInputIds + k) * pixels + pixel] = ids[k];
 }
