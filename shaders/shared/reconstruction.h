@@ -15,6 +15,22 @@ SHARED_CONST uint kStateHits = 1u;    // half2: metres to what the paths met aft
 SHARED_CONST uint kStateFrames = 2u;  // frames that the two signals' histories are worth (8 bits each), then the surface's id (16 bits; 0: sky)
 SHARED_CONST uint kStatePlanes = 3u;
 
+// Planes of what reconstruction gets of a frame, unpacked to be written (reconstruction/show.comp): floats, but for the last four.
+SHARED_CONST uint kInputDiffuse = 0u;         // light: pre-exposed R, G, B
+SHARED_CONST uint kInputSpecular = 3u;
+SHARED_CONST uint kInputEmission = 6u;
+SHARED_CONST uint kInputAlbedo = 9u;          // what diffuse light is multiplied by
+SHARED_CONST uint kInputSpecularAlbedo = 12u;
+SHARED_CONST uint kInputNormal = 15u;         // shading normal; 0 in the sky, as all up to the hits
+SHARED_CONST uint kInputGeometricNormal = 18u;
+SHARED_CONST uint kInputRoughness = 21u;
+SHARED_CONST uint kInputHits = 22u;           // metres, of the diffuse and the specular lobe
+SHARED_CONST uint kInputDepth = 24u;          // metres along the camera's axis
+SHARED_CONST uint kInputMotion = 25u;         // pixels
+SHARED_CONST uint kInputSurface = 27u;        // number of the surface that all the above are of; 0: sky
+SHARED_CONST uint kInputIds = 28u;            // what the ray met first: row of the instance, primitive of its mesh, triangle; kNone: sky
+SHARED_CONST uint kInputPlanes = 31u;
+
 // Sums over a tile's pixels that have a history, of luminance: what the frame brought, what the history said, the variance of the first; and how
 // fast the light drifts away from the histories, a frame, over the last frames, with the variance of what one frame says of it.
 struct ChangeSums {

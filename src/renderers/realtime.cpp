@@ -106,10 +106,12 @@ void Realtime::trace_paths(Frame& frame, const SceneGpu& scene, gpu::TraceWay wa
 // The frame's picture into the film.
 void Realtime::show(Frame& frame, View& view) {
     const passes::Film& film = view.film();
-    if (!reconstruction_) return passes::composite(frame, film, gbuffer_, signals_, options_.exposure);
     const shared::ViewData& data = view.data();
     const bool turned = glm::dot(data.camera.forward_ws, data.camera_before.forward_ws) <= 0.0f || data.camera.orthographic != data.camera_before.orthographic;
-    reconstruction_->record(frame, {.film = film, .jitter_px = view.jitter(), .gbuffer = gbuffer_, .signals = signals_, .exposure = options_.exposure, .cut = cut_ || turned}, frame_index_);
+    const passes::ReconstructionInput input{.film = film, .jitter_px = view.jitter(), .gbuffer = gbuffer_, .signals = signals_, .exposure = options_.exposure, .cut = cut_ || turned};
+    if (keeps_input_) input_.record(frame, input, data);
+    if (reconstruction_) reconstruction_->record(frame, input, frame_index_);
+    else passes::composite(frame, film, gbuffer_, signals_, options_.exposure);
     cut_ = false;
 }
 

@@ -7,6 +7,7 @@
 #include "passes/gbuffer/raster.h"
 #include "passes/lights/lights.h"
 #include "passes/realtime/realtime.h"
+#include "renderers/kept_input.h"
 #include "renderers/reconstruction.h"
 #include "passes/wavefront/replay.h"
 #include "renderers/view.h"
@@ -48,6 +49,9 @@ public:
     void set_exposure(float exposure) { options_.exposure = exposure; }
     // The coming frame has nothing to do with those before: a cut. A camera that turns by a right angle or more says so itself.
     void cut() { cut_ = true; }
+    // Of the coming frames what reconstruction gets is kept, whether there is any or not. It never changes them.
+    void keep_input(bool keep) { keeps_input_ = keep; }
+    InputReadback read_input(Frame& frame) const { return input_.read(frame); }  // of the last frame that was kept
     // Called while a frame is recorded, after Extend and after Connect: to look at what they traced (session/bench_realtime.h).
     std::function<void(const passes::WavefrontPass&, passes::WavefrontTraced)> after_trace;
 
@@ -74,7 +78,9 @@ private:
     gpu::Buffer tiles_;
     std::optional<LightCache> cache_;
     std::optional<Reconstruction> reconstruction_;
-    bool cut_ = false;
+    bool cut_ = true;  // the first frame follows none
+    bool keeps_input_ = false;
+    KeptInput input_;
     uint64_t scene_version_ = 0;
     uint32_t frame_index_ = 0;
 };

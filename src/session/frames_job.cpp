@@ -7,11 +7,14 @@
 #include "base/log.h"
 #include "image/tonemap.h"
 #include "scene/load.h"
+#include "session/dataset.h"
 #include "session/film_state.h"
 #include "session/job_base.h"
 #include "session/pictures.h"
 #include "session/progress.h"
+#include "session/reconstruction_layers.h"
 #include "session/scene_setup.h"
+#include "session/view_setup.h"
 
 namespace parhelion {
 
@@ -22,6 +25,7 @@ public:
     FramesJob(const RenderOptions& options, gpu::DevicePtr device) : JobBase(options, std::move(device)), play_(*options.play) {}
 
     RenderReport run() {
+        if (!options_.dataset.empty()) check_dataset_folder(options_.dataset);
         prepare();
         begin();
         if (!is_interrupted()) play();
@@ -41,10 +45,13 @@ private:
     // Samples of the film that a frame's are; the same frame always has the same ones.
     IndexRange samples_of(uint64_t frame) const;
     void begin();
+    void begin_dataset();
     void play();
     bool should_stop();
     bool move_to(uint64_t frame);
     bool draw(uint64_t frame);
+    bool draw_slices(View& view, IndexRange samples);
+    bool add_to_dataset(uint64_t frame);
     void note(uint64_t frame, double seconds, double gpu_seconds_before);
     void write(uint64_t frame);
     void log_finished() const;
@@ -52,15 +59,20 @@ private:
     const FramePlay& play_;
     std::optional<PlayedCamera> played_camera_;
     std::optional<Realtime> realtime_;  // where it is what draws
+    std::optional<Dataset> dataset_;
+    std::optional<View> reference_;  // the dataset's
+    uint64_t reference_hash_ = 0;
     RayCounts rays_, film_rays_;  // of all frames; of those that the film holds
     uint64_t pictures_ = 0;
 };
 
-IndexRange FramesJob::samples_of(uint64_t frame) const {
-    if (realtime()) return {frame, frame + 1};
-    const uint64_t blocks = (options_.samples.end + shared::kSamplesPerBlock - 1) / shared::kSamplesPerBlock, first = frame * blocks * shared::kSamplesPerBlock;
-    return {first, first + options_.samples.end};
+// So many samples of a path tracer's frame: no two frames have the same.
+IndexRange path_samples(uint64_t frame, uint64_t count) {
+    const uint64_t blocks = (count + shared::kSamplesPerBlock - 1) / shared::kSamplesPerBlock, first = frame * blocks * shared::kSamplesPerBlock;
+    return {first, first + count};
 }
+
+IndexRange FramesJob::samples_of(uint64_t frame) const { return realtime() ? IndexRange{frame, frame + 1} : path_samples(frame, options_.samples.end); }
 
 void FramesJob::begin() {
     for (const std::filesystem::path& file : options_.output.files)
@@ -70,13 +82,28 @@ void FramesJob::begin() {
     report_.finished_end = report_.resumed_at = first_counted();
     report_.frame_samples = realtime() ? 1 : options_.samples.end;
     report_.play = PlayReport{.play = play_, .frames = {}};
+    if (is_interrupted()) return;  // before there was a view
     if (realtime()) {
         RealtimeOptions settings = realtime_options(settings_, device_->caps());
         settings.exposure = static_cast<float>(image::exposure_scale_from_ev100(report_.exposure_ev));
         if (options_.denoise == DenoiseKind::Builtin) settings.reconstruction = settings_.reconstruction;
         realtime_.emplace(device_, *view_, settings);
+        realtime_->keep_input(options_.reconstruction_layers || !options_.dataset.empty());
     }
+    if (!options_.dataset.empty()) begin_dataset();
     played_camera_.emplace(loaded_.scene, options_, camera_.opens);
+}
+
+// Its references are the frames of the reference path tracer with the same options.
+void FramesJob::begin_dataset() {
+    RenderOptions reference = options_;
+    reference.renderer = RendererKind::Reference;
+    reference.aovs = {"variance"};
+    const ViewDesc desc = describe_view(reference, settings_, camera_);
+    reference_hash_ = hash_render(loaded_.scene, desc, settings_);
+    reference_.emplace(device_, desc);
+    dataset_.emplace(options_.dataset, describe_dataset(options_, report_, reference_hash_));
+    if (dataset_->size() != 0) log(LogLevel::Info, "{} has {} frames, which stay", escape_name(options_.dataset.string()), dataset_->size());
 }
 
 bool FramesJob::should_stop() {
@@ -107,17 +134,20 @@ bool FramesJob::move_to(uint64_t frame) {
 
 // False: stopped before it was finished.
 bool FramesJob::draw(uint64_t frame) {
-    const IndexRange samples = samples_of(frame);
     if (realtime()) {
         realtime_->set_frame_index(static_cast<uint32_t>(frame));
         realtime_->record(*frame_, *scene_gpu_, way_, *view_, false);
         run_frame();
         return true;
     }
+    return draw_slices(*view_, samples_of(frame));
+}
+
+bool FramesJob::draw_slices(View& view, IndexRange samples) {
     Slicer slicer = make_slicer(samples);
     while (const auto slice = slicer.next()) {
         const auto begin = Clock::now();
-        JobBase::draw(*slice, slice->first_sample + slice->sample_count == samples.end);
+        JobBase::draw(view, *slice, slice->first_sample + slice->sample_count == samples.end);
         slicer.measured(*slice, seconds_since(begin));
         if (should_stop()) return slicer.whole_samples() == samples.end;
     }
@@ -150,11 +180,30 @@ void FramesJob::play() {
         if (!draw(frame)) break;
         note(frame, seconds_since(frame_begin), gpu_seconds);
         if (frame < first_counted()) continue;
+        if (dataset_ && !add_to_dataset(frame)) break;
         report_.finished_end = frame + 1;
         if (sequence()) write(frame);
-        if (options_.list_frame && options_.output.files.empty()) break;
+        if (options_.list_frame && options_.output.files.empty() && !dataset_) break;
     }
     report_.render_seconds = seconds_since(begin);
+}
+
+// The frame's input, and its reference beside it: the realtime renderer does not notice. False: stopped before that was finished.
+bool FramesJob::add_to_dataset(uint64_t frame) {
+    if (!dataset_->has(frame)) {
+        const IndexRange samples = path_samples(frame, options_.reference_samples);
+        reference_->set_camera(view_->desc().camera);
+        if (!draw_slices(*reference_, samples)) return false;
+        const std::vector<uint64_t> counts(options_.size.height, options_.reference_samples);
+        Dataset::Pair pair{.frame = frame, .time = time_of(frame), .input = realtime_->read_input(*frame_)};
+        pair.layers = {.width = pair.input.size.width, .height = pair.input.size.height, .attributes = film_attributes(report_.settings_hash, report_.exposure_ev)};
+        pair.reference = resolve_rows(make_film_sums(reference_->read_film(*frame_), options_.size, samples, film_attributes(reference_hash_, report_.exposure_ev)), counts);
+        dataset_->add(std::move(pair), options_.output);
+    }
+    report_.written = options_.output.files;
+    report_.written.push_back(options_.dataset);
+    ++pictures_;
+    return true;
 }
 
 // A frame of a sequence, the last one, or the mean of all that the film holds.
@@ -170,7 +219,10 @@ void FramesJob::write(uint64_t frame) {
     if (sequence())
         for (std::filesystem::path& file : output.files) file = frame_file(file, frame);
     const std::vector<uint64_t> counts(options_.size.height, samples.end - samples.begin);
-    write_pictures(output, picture_of(samples, counts));
+    image::ImageF picture = picture_of(samples, counts);
+    if (options_.reconstruction_layers) add_reconstruction_layers(realtime_->read_input(*frame_), picture);
+    write_pictures(output, picture);
+    if (dataset_) return;
     report_.written = options_.output.files;
     ++pictures_;
 }

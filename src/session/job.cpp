@@ -115,7 +115,7 @@ void Job::render() {
         const auto slice = slicer_->next();
         if (!slice) break;
         const auto slice_begin = Clock::now();
-        draw(*slice, slice->first_sample + slice->sample_count == options_.samples.end);
+        draw(*view_, *slice, slice->first_sample + slice->sample_count == options_.samples.end);
         slicer_->measured(*slice, seconds_since(slice_begin));
         show_progress(progress);
         if (options_.list_frame && options_.output.files.empty()) break;

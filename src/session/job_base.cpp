@@ -151,20 +151,20 @@ void JobBase::run_frame() {
     report_.listing += "\nslice\n" + frame_->listing(true);
 }
 
-void JobBase::draw(const shared::Slice& slice, bool ends_range) {
+void JobBase::draw(View& view, const shared::Slice& slice, bool ends_range) {
     if (!wavefront_) {
-        record_reference(*frame_, *scene_gpu_, way_, *view_, slice, ends_range);
+        record_reference(*frame_, *scene_gpu_, way_, view, slice, ends_range);
         return run_frame();
     }
     wavefront_->start(slice);
     for (bool finished = false; !finished;) {
         const auto begin = Clock::now();
-        wavefront_->record(*frame_, *scene_gpu_, way_, *view_);
+        wavefront_->record(*frame_, *scene_gpu_, way_, view);
         run_frame();
         finished = wavefront_->advance(seconds_since(begin));
     }
-    wavefront_->finish(*frame_, *view_);
-    end_slice(*frame_, *view_, slice, ends_range);
+    wavefront_->finish(*frame_, view);
+    end_slice(*frame_, view, slice, ends_range);
     run_frame();
 }
 

@@ -38,7 +38,7 @@ protected:
 
     // For so many samples of the path tracer that the options name.
     Slicer make_slicer(IndexRange samples) const;
-    void draw(const shared::Slice& slice, bool ends_range);
+    void draw(View& view, const shared::Slice& slice, bool ends_range);
     // Runs what is recorded, and notes its times; the first frame that draws is listed.
     void run_frame();
 

@@ -126,10 +126,16 @@ const OptionSpec kOptions[] = {
                 "path.indirect_specular|path.transmission|debug.cells|debug.irradiance|debug.level|debug.count|debug.age|debug.life|debug.light|debug.rays"},
     {.name = "--aov", .section = "Output", .commands = kRender, .kind = ValueKind::List, .value = "LIST",
      .help = "further layers of the EXR, separated by commas; path.* and debug.* (realtime) stand for all of a group; noisy is the picture "
-             "before --denoise oidn",
-     .choices = "albedo|normal|emission|roughness|depth|ids|motion|variance|noisy|path.emission|path.direct_diffuse|path.direct_specular|"
+             "before --denoise oidn, reconstruction what --denoise builtin gets (realtime)",
+     .choices = "albedo|normal|emission|roughness|depth|ids|motion|variance|noisy|reconstruction|path.emission|path.direct_diffuse|path.direct_specular|"
                 "path.indirect_diffuse|path.indirect_specular|path.transmission|"
                 "debug.cells|debug.irradiance|debug.level|debug.count|debug.age|debug.life|debug.light|debug.rays"},
+    {.name = "--dataset", .section = "Output", .commands = kRender, .kind = ValueKind::File, .value = "DIR",
+     .help = "write what training a reconstruction needs of every frame: what it gets, and a reference (docs/reconstruction.md); the same "
+             "command goes on with a folder that it began",
+     .bits = kNotInPreset, .renderers = kRealtime, .instead = "add --renderer realtime: its frames are what is reconstructed"},
+    {.name = "--reference-spp", .section = "Output", .commands = kRender, .kind = ValueKind::Integer, .value = "N",
+     .help = "samples per pixel of the references of --dataset (default 1024)", .min = 1, .max = 1 << 30, .renderers = kRealtime, .instead = kUseSpp},
     {.name = "--checkpoint", .section = "Output", .commands = kRender, .kind = ValueKind::File, .value = "F",
      .help = "save the state of the render here from time to time", .bits = kNotInPreset, .renderers = kPathTracers,
      .instead = kPathTracersOnly},

@@ -48,6 +48,15 @@ void read_length(const OptionValues& values, RenderOptions& options) {
 
 [[noreturn]] void refuse(const std::string& where, std::string what, std::string hint) { throw Error(ErrorCode::Usage, std::move(what), where, std::move(hint)); }
 
+// A path tracer's frames have different samples, so that noise does not stand still: whole blocks of them.
+uint64_t whole_blocks(uint64_t samples) { return (samples + kSampleBlock - 1) / kSampleBlock * kSampleBlock; }
+
+void check_frame_count(const OptionValues& values, const RenderOptions& options, uint64_t samples_of_frame) {
+    constexpr uint64_t kMaxSamples = 1 << 30;
+    const uint64_t most = kMaxSamples / samples_of_frame;
+    if (options.play->frames.end > most) refuse(values.where("--frames"), fmt::format("{} is out of range", options.play->frames.end), fmt::format("up to {}", most));
+}
+
 void read_play(const OptionValues& values, RenderOptions& options) {
     const bool realtime = options.renderer == RendererKind::Realtime;
     if (!realtime && !values.given("--frames")) {
@@ -68,12 +77,8 @@ void read_play(const OptionValues& values, RenderOptions& options) {
     if (play.frames.end <= play.warmup && play.average)
         refuse(values.where("--frames"), fmt::format("{} frames are no more than the warm-up of {}", play.frames.end, play.warmup), "ask for more, or set --warmup N");
     if (options.is_part) refuse(values.where("--frames"), "it cannot be used together with --spp-range", "--frames A-B draws a part of a sequence");
-    // A path tracer's frames have different samples, so that noise does not stand still.
-    const uint64_t samples = realtime ? 1 : (options.samples.end + kSampleBlock - 1) / kSampleBlock * kSampleBlock;
-    constexpr uint64_t kMaxSamples = 1 << 30;
-    if (play.frames.end > kMaxSamples / samples)
-        refuse(values.where("--frames"), fmt::format("{} is out of range", play.frames.end), fmt::format("up to {}", kMaxSamples / samples));
     options.play = play;
+    check_frame_count(values, options, realtime ? 1 : whole_blocks(options.samples.end));
 }
 
 void read_view(const OptionValues& values, RenderOptions& options) {
@@ -127,6 +132,29 @@ void check_debug_layers(const RenderOptions& options, std::string_view where) {
         if (aov.starts_with("debug.")) throw Error(ErrorCode::Usage, fmt::format("{} shows what the realtime renderer does", aov), std::string(where), "add --renderer realtime");
 }
 
+// What reconstruction gets is not of the film either, and there is one a frame.
+void read_reconstruction_layers(RenderOptions& options, const std::string& where) {
+    options.reconstruction_layers = std::erase(options.aovs, "reconstruction") != 0;
+    if (!options.reconstruction_layers) return;
+    if (options.renderer != RendererKind::Realtime) refuse(where, "reconstruction is what a realtime frame brings", "add --renderer realtime");
+    if (options.play->average) refuse(where, "the mean of frames is no frame that could be reconstructed", "leave out --average, or the layer");
+}
+
+void read_dataset(const OptionValues& values, RenderOptions& options) {
+    if (values.given("--dataset")) options.dataset = values.text("--dataset");
+    if (values.given("--reference-spp")) options.reference_samples = read_uint(values, "--reference-spp");
+    if (options.dataset.empty()) {
+        if (values.given("--reference-spp")) refuse(values.where("--reference-spp"), "it is for the references of a dataset", "add --dataset DIR");
+        return;
+    }
+    const std::string where = values.where("--dataset");
+    if (options.play->average) refuse(where, "the mean of frames is no frame that could be reconstructed", "leave out --average");
+    if (options.denoise == DenoiseKind::Oidn) refuse(where, "its frames stay noisy", "leave out --denoise oidn");
+    for (const auto& file : options.output.files)
+        if (!is_sequence(file)) refuse("--out", "a dataset has many frames", "name them --out NAME.####.exr, or leave it out");
+    check_frame_count(values, options, whole_blocks(options.reference_samples));
+}
+
 // The layer "noisy" is not of the film: it is what the film's picture was.
 void read_noisy(RenderOptions& options, const std::string& where) {
     options.keep_noisy = std::erase(options.aovs, "noisy") != 0;
@@ -136,14 +164,14 @@ void read_noisy(RenderOptions& options, const std::string& where) {
 void check_outputs(const OptionValues& values, const RenderOptions& options) {
     const bool exr =
         std::any_of(options.output.files.begin(), options.output.files.end(), [](const auto& file) { return has_extension(file, ".exr"); });
-    if (options.output.files.empty() && !options.list_frame && options.json.empty() && !options.print_settings)
+    if (options.output.files.empty() && options.dataset.empty() && !options.list_frame && options.json.empty() && !options.print_settings)
         throw Error(ErrorCode::Usage, "there is no output", "render", "add --out F.exr or --out F.png");
     if (options.is_part && (options.output.files.size() != 1 || !exr))
         throw Error(ErrorCode::Usage, "a part is written to exactly one EXR", "--out",
                     "use --out PART.exr; parhelion merge writes the picture");
     if (options.is_part && options.denoise == DenoiseKind::Oidn) refuse(values.where("--denoise"), "a part holds sums of samples, which have to stay as they are", "leave it out of parts");
     check_debug_layers(options, values.where("--aov"));
-    if ((!options.aovs.empty() || options.keep_noisy) && !exr) throw Error(ErrorCode::Usage, "layers need an EXR", values.where("--aov"), "add --out F.exr");
+    if ((!options.aovs.empty() || options.keep_noisy || options.reconstruction_layers) && !exr) throw Error(ErrorCode::Usage, "layers need an EXR", values.where("--aov"), "add --out F.exr");
     check_sequence(values, options);
     if (options.resume && options.checkpoint.empty())
         throw Error(ErrorCode::Usage, "there is nothing to resume from", "--resume", "add --checkpoint F");
@@ -235,6 +263,8 @@ RenderOptions read_render_options(const OptionValues& values) {
     if (values.given("--aov"))
         options.aovs = expand_list(*find_option(values.command(), "--aov"), values.text("--aov"), values.where("--aov"));
     read_noisy(options, values.where("--aov"));
+    read_reconstruction_layers(options, values.where("--aov"));
+    read_dataset(values, options);
     if (values.given("--checkpoint")) options.checkpoint = values.text("--checkpoint");
     options.checkpoint_seconds = parse_duration_seconds(values.text("--checkpoint-every"), "--checkpoint-every");
     options.resume = values.flag("--resume");

@@ -63,6 +63,9 @@ struct RenderOptions {
     OutputOptions output;
     std::vector<std::string> aovs;     // layer names in table order
     bool keep_noisy = false;           // --aov noisy: the layer of what --denoise oidn was given
+    bool reconstruction_layers = false;     // --aov reconstruction: what reconstruction gets of the frame
+    std::filesystem::path dataset;          // folder of a Dataset; empty: none
+    uint64_t reference_samples = 1024;      // a pixel of the dataset's references
     std::filesystem::path checkpoint;  // empty: none
     double checkpoint_seconds = 60;
     bool resume = false;

@@ -316,7 +316,8 @@ TEST(RenderOptions, the_aovs_of_the_table_are_those_of_the_film) {
     for (const std::string_view choice : split_choices(option.choices))
         if (std::find(absent.begin(), absent.end(), choice) == absent.end()) named.insert(choice);
     for (const std::string_view name : aov_names()) film.insert(name);
-    film.insert("noisy");  // the picture before it was denoised
+    film.insert("noisy");           // the picture before it was denoised
+    film.insert("reconstruction");  // what it was made of
     EXPECT_EQ(named, film);
 }
 

@@ -24,6 +24,9 @@ struct ReconstructionInput {
     bool cut = false;  // nothing of the last frame is in this one
 };
 
+// The input in planes of words, kInput... of shared/reconstruction.h: uint[kInputPlanes][pixels]. Before the passes below.
+void show_input(Frame& frame, const ReconstructionInput& input, const gpu::Buffer& planes);
+
 // Settings; ranges in session/render_settings.h.
 struct ReconstructionOptions {
     uint32_t history = 32;       // frames that a history is worth at most
