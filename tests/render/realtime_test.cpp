@@ -57,7 +57,7 @@ TEST_F(RealtimePicture, following_mirrors_and_panes_moves_light_between_signals_
             double worst = 0.0;
             for (size_t p = 0; p < expected.pixel_count(); ++p) {
                 const double a = expected.plane(c)[p], b = found.plane(c)[p];
-                worst = std::max(worst, std::abs(a - b) / std::max(1e-3, std::abs(a)));
+                worst = std::max(worst, std::abs(a - b) / std::max(0.1, std::abs(a)));
             }
             EXPECT_LE(worst, c < 3 ? 0x1p-8 : 1e-5) << expected.channels[c] << ": histories have 11 bits, of two signals";
         }
