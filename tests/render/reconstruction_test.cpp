@@ -200,6 +200,29 @@ TEST_F(ReconstructionTest, noise_alone_leaves_histories_as_long_as_they_are) {
     EXPECT_LE(rms_error(one.next(noise), 1), 1.1 * rms_error(other.next(noise), 1));
 }
 
+// Light that grows by a twentieth of what it began with in every frame: no frame stands out of the noise, and the mean is not long behind.
+TEST_F(ReconstructionTest, a_light_that_drifts_is_followed) {
+    Stage stage = make_stage(false);
+    Given given(stage, straight(), {.clamp_width = 0.0f});
+    const auto light = [](uint32_t frame) { return 1.0f + 0.05f * static_cast<float>(frame); };
+    const Signal drifts = [&](const Asked& a) { return Light{.diffuse = glm::vec3(light(a.frame) * a.noise())}; };
+    EXPECT_NEAR(mean_luminance(given.play(80, drifts)) / light(79), 1.0, 0.06);
+}
+
+// One pixel in sixteen has all the light: no less of it is left after the filter.
+TEST_F(ReconstructionTest, uneven_noise_keeps_its_mean_in_the_filter) {
+    Stage stage = make_stage(false);
+    Given given(stage, straight(), {.history = 1, .fast_history = 1, .firefly = 0.0f, .clamp_width = 0.0f, .antialias = false});
+    double light = 0, filtered = 0;
+    const Signal rare = [&](const Asked& a) {
+        const float of_pixel = a.random < 0.0625f ? 16.0f : 0.0f;
+        light += of_pixel / (kSize * kSize);
+        return Light{.diffuse = glm::vec3(of_pixel)};
+    };
+    for (int i = 0; i < 8; ++i) filtered += mean_luminance(given.next(rare));
+    EXPECT_NEAR(filtered / light, 1.0, 0.02);
+}
+
 // After 48 frames of one light, of another; what is left of the first in the mean of the picture.
 double left_after(Stage& stage, const ReconstructionOptions& options, float before, float after, uint32_t frames) {
     Given given(stage, straight(), options);

@@ -37,16 +37,20 @@ layout(push_constant, scalar) uniform Push {
     float sigmas;  // deviations that neighbours' luminances may differ by
 } push;
 
-// Light and variance as they are summed up.
+// Light and variance as they are summed up. A neighbour that shows the same surface has its weight, and what of it differs too much is the pixel's
+// own instead: as much as this one leaves out of the other, the other leaves out of this one, so that no light is lost.
 struct Sum {
-    vec4 light;
+    vec4 light;    // of neighbours
     float weight;
+    float own;     // what of the weight is the pixel's
 };
-void add(inout Sum sum, vec4 light, float weight) {
-    sum.light += vec4(weight * light.rgb, weight * weight * light.a * light.a);
+void add(inout Sum sum, vec4 light, float weight, float alike) {
+    const float share = weight * alike;
+    sum.light += vec4(share * light.rgb, share * share * light.a * light.a);
     sum.weight += weight;
+    sum.own += weight - share;
 }
-vec4 mean(Sum sum) { return vec4(sum.light.rgb / sum.weight, sqrt(sum.light.a) / sum.weight); }
+vec4 mean(Sum sum, vec4 own) { return vec4(sum.light.rgb + sum.own * own.rgb, sqrt(sum.light.a + sum.own * sum.own * own.a * own.a)) / sum.weight; }
 
 // Pixels around the surface that the two signals may be mixed over: what light from a metre off does to a metre's surface; what is seen
 // within a lobe's angle, from here and by reflection.
@@ -63,7 +67,7 @@ void filter_around(ViewData view, ivec2 middle, uint pixel, Guide here, inout ve
     const vec2 wide = clamp(2.0 * vec2(reach.x, max(reach.y, 1.5)) / float(push.stride) - 1.0, vec2(0.0), vec2(1.0));
     if (all(lessThan(wide, vec2(0.05)))) return;
     const float lobe = lobe_tangent(here.roughness), facing = 1.0 / (lobe * lobe + 2e-4);
-    Sum d = Sum(vec4(diffuse.rgb, diffuse.a * diffuse.a), 1.0), s = Sum(vec4(specular.rgb, specular.a * specular.a), 1.0);
+    Sum d = Sum(vec4(0.0), 1.0, 1.0), s = d;
     const vec2 own = vec2(luminance(diffuse.rgb), luminance(specular.rgb));
     const float across = dot(position, normal), slack = 1.0 / (0.01 * here.depth);
     // No branches: all loads are under way at once.
@@ -79,11 +83,11 @@ void filter_around(ViewData view, ivec2 middle, uint pixel, Guide here, inout ve
         const float kernel = at == to ? plane * (step.x == 0 || step.y == 0 ? 0.5 : 0.25) : 0.0;
         const vec2 sharp = 1.0 / (push.sigmas * sqrt(vec2(diffuse.a * diffuse.a + other_diffuse.a * other_diffuse.a, specular.a * specular.a + other_specular.a * other_specular.a)) + 1e-6);
         const vec2 off = abs(vec2(luminance(other_diffuse.rgb), luminance(other_specular.rgb)) - own) * sharp;
-        add(d, other_diffuse, kernel * wide.x * exp(-off.x - 32.0 * (1.0 - cosine)));
-        add(s, other_specular, kernel * wide.y * exp(-off.y - 2.0 * (1.0 - cosine) * facing) * max(0.0, 1.0 - 8.0 * abs(here.roughness - there.roughness)));
+        add(d, other_diffuse, kernel * wide.x * exp(-32.0 * (1.0 - cosine)), exp(-off.x));
+        add(s, other_specular, kernel * wide.y * exp(-2.0 * (1.0 - cosine) * facing) * max(0.0, 1.0 - 8.0 * abs(here.roughness - there.roughness)), exp(-off.y));
     }
-    diffuse = mean(d);
-    specular = mean(s);
+    diffuse = mean(d, diffuse);
+    specular = mean(s, specular);
 }
 
 void main() {
