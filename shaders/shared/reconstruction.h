@@ -31,10 +31,10 @@ SHARED_CONST uint kInputSurface = 27u;        // number of the surface that all 
 SHARED_CONST uint kInputIds = 28u;            // what the ray met first: row of the instance, primitive of its mesh, triangle; kNone: sky
 SHARED_CONST uint kInputPlanes = 31u;
 
-// Sums over a tile's pixels that have a history, of luminance: what the frame brought, what the history said, the variance of the first; and how
-// fast the light drifts away from the histories, a frame, over the last frames, with the variance of what one frame says of it.
+// Sums over a tile's pixels that have a history, of luminance: a frame's variance; how fast light drifts away from the histories, a frame, over
+// the last frames; and the variance of what one frame says of that.
 struct ChangeSums {
-    float now, before, variance, drift, drift_variance;
+    float variance, drift, drift_variance;
 };
 struct ChangeTile {
     ChangeSums diffuse, specular;
@@ -42,9 +42,8 @@ struct ChangeTile {
 };
 // What follows for a tile, diffuse and specular.
 struct ChangeVerdict {
-    uint changed;  // half2: how sure it is that light has changed, 0 to 1
-    uint worth;    // half2: frames that histories are worth while light drifts so fast
-    uint drift;    // half2: of the tile's pixels, a frame
+    uint worth;  // half2: frames that histories are worth while light drifts so fast
+    uint drift;  // half2: of the tile's pixels, a frame
 };
 // Share of a frame in a tile's drift.
 SHARED_CONST float kDriftShare = 0.25f;
@@ -58,7 +57,7 @@ struct ReconstructionFrame {
     uint history;                // frames that a history is worth at most
     uint fast_history;           // those of the fast one
     float firefly;               // times the brightest neighbour: what a pixel may have more is shared with them; 0: all
-    float antilag;               // standard errors that a change must stand out by; 0: none does
+    float antilag;               // standard errors that a drift must stand out by; 0: none does
     float clamp_width;           // standard deviations of the fast history that the slow one may lie off; 0: any
     uint virtual_motion;         // 1: reflections are looked for where they were seen
 };

@@ -1,10 +1,11 @@
 #version 460
 // Adds the frame's light to what earlier frames brought to the same surface: fireflies are shared out first, then each signal is a running
 // mean of as many frames as its history is worth. Diffuse light is looked for where the surface was, specular light there or where its
-// reflection was seen, whichever agrees. Histories are short where the light of a tile and its neighbours has changed by more than noise.
+// reflection was seen, whichever agrees. Histories are short where the light of the tiles around drifts.
 // Schied et al. 2017 (SVGF) for the means; Zhdan 2021 (ReBLUR) for virtual motion and the fast history; Schied et al. 2018 (A-SVGF) for the
-// idea to shorten histories by what changed, here told by a test of means.
-// Reads: view, identity, summary, motion, depth, signals (diffuse, specular, distances), the last frame's guide, light and state, and verdicts on change.
+// idea to shorten histories by what changed, here told by means over tiles.
+// Reads: view, identity, summary, motion, depth, signals (diffuse, specular, distances), the last frame's guide, light and state, and verdicts on
+// change.
 // Writes: guide, normals (geometric), light, state, tiles.
 #extension GL_GOOGLE_include_directive : require
 #include "lib/hash.glsl"
@@ -40,7 +41,7 @@ layout(push_constant, scalar) uniform Push {
 #include "reconstruction/history.glsl"
 
 const uint kPixels = kChangeTile * kChangeTile;
-const uint kTold = 11u;
+const uint kTold = 7u;
 shared float told[kTold][kPixels];
 
 void load_light(ViewData view, uint i) {
@@ -55,18 +56,17 @@ void load_light(ViewData view, uint i) {
 
 // The verdicts of the tiles around on the two signals.
 struct Change {
-    vec2 changed, worth, drift;
+    vec2 worth, drift;
 };
 Change find_change(ViewData view, vec2 before_px) {
     const ivec2 last = (ivec2(view.width, view.height) + int(kChangeTile) - 1) / int(kChangeTile) - 1;
     const vec2 place = before_px / float(kChangeTile) - 0.5, f = fract(place);
-    Change sum = Change(vec2(0.0), vec2(0.0), vec2(0.0));
+    Change sum = Change(vec2(0.0), vec2(0.0));
     for (int i = 0; i < 4; ++i) {
         const ivec2 step = ivec2(i & 1, i >> 1), at = clamp(ivec2(floor(place)) + step, ivec2(0), last);
         const vec2 weights = mix(1.0 - f, f, vec2(step));
         const float weight = weights.x * weights.y;
         const ChangeVerdict there = push.verdicts.v[at.y * (last.x + 1) + at.x];
-        sum.changed += weight * unpackHalf2x16(there.changed);
         sum.worth += weight * unpackHalf2x16(there.worth);
         sum.drift += weight * unpackHalf2x16(there.drift);
     }
@@ -118,9 +118,9 @@ void find_reflection(ViewData view, ivec2 id, vec3 position_ws, vec2 film_px, ve
                       mix(specular.hit, reflected.hit, agrees), mix(specular.frames, reflected.frames, agrees));
 }
 
-// The history with one more frame, whose light it is as far as it has changed.
-Signal advance(Signal before, vec3 light, float hit, float changed, float worth) {
-    const float frames = min(before.frames * (1.0 - changed) + 1.0, max(worth, 1.0)), share = 1.0 / frames;
+// The history with one more frame, worth so many at most.
+Signal advance(Signal before, vec3 light, float hit, float worth) {
+    const float frames = min(before.frames + 1.0, max(worth, 1.0)), share = 1.0 / frames;
     const float l = luminance(light), off = l - luminance(before.light);
     Signal now;
     now.light = mix(before.light, light, share);
@@ -134,12 +134,10 @@ Signal advance(Signal before, vec3 light, float hit, float changed, float worth)
 // For the next frame's verdicts. Only what has a history says something.
 void tell(uint thread, uint first, Signal history, float now, float drift_before) {
     const bool says = history.frames >= 3.0;
-    const float before = luminance(history.light), variance = history.deviation * history.deviation * (1.0 + 1.0 / max(history.frames, 1.0));
-    told[first][thread] = says ? now : 0.0;
-    told[first + 1u][thread] = says ? before : 0.0;
-    told[first + 2u][thread] = says ? variance : 0.0;
-    told[first + 3u][thread] = says ? mix(drift_before, (now - before) / history.frames, kDriftShare) : 0.0;
-    told[first + 4u][thread] = says ? variance / (history.frames * history.frames) : 0.0;
+    const float variance = history.deviation * history.deviation * (1.0 + 1.0 / max(history.frames, 1.0));
+    told[first][thread] = says ? variance : 0.0;
+    told[first + 1u][thread] = says ? mix(drift_before, (now - luminance(history.light)) / history.frames, kDriftShare) : 0.0;
+    told[first + 2u][thread] = says ? variance / (history.frames * history.frames) : 0.0;
 }
 void sum_tile(uint thread) {
     for (uint half_of = kPixels / 2u; half_of != 0u; half_of /= 2u) {
@@ -148,8 +146,8 @@ void sum_tile(uint thread) {
             for (uint k = 0u; k < kTold; ++k) told[k][thread] += told[k][thread + half_of];
     }
     if (thread != 0u) return;
-    const ChangeSums diffuse = ChangeSums(told[0][0], told[1][0], told[2][0], told[3][0], told[4][0]), specular = ChangeSums(told[5][0], told[6][0], told[7][0], told[8][0], told[9][0]);
-    push.tiles.v[gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x] = ChangeTile(diffuse, specular, told[10][0]);
+    const ChangeSums diffuse = ChangeSums(told[0][0], told[1][0], told[2][0]), specular = ChangeSums(told[3][0], told[4][0], told[5][0]);
+    push.tiles.v[gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x] = ChangeTile(diffuse, specular, told[6][0]);
 }
 
 void keep(uint pixel, uint plane, uvec2 id, Signal diffuse, Signal specular, uint surface) {
@@ -171,7 +169,7 @@ void main() {
     for (uint i = thread; i < kInner * kInner; i += kPixels) find_gifts(i, push.frame.firefly);
     barrier();
     Signal diffuse = kNoSignal, specular = kNoSignal;
-    Change change = Change(vec2(0.0), vec2(push.frame.history), vec2(0.0));
+    Change change = Change(vec2(push.frame.history), vec2(0.0));
     vec3 diffuse_now = vec3(0.0), specular_now = vec3(0.0);
     const uint surface = lit_id[(local.y + kRing) * kSide + local.x + kRing];
     if (surface != 0u) {
@@ -196,13 +194,13 @@ void main() {
         }
         push.guide.v[pixel] = packed_guide;
         push.normals.v[pixel] = normal;
-        keep(pixel, plane, id, advance(diffuse, diffuse_now, hits.x, change.changed.x, change.worth.x), advance(specular, specular_now, hits.y, change.changed.y, change.worth.y), surface);
+        keep(pixel, plane, id, advance(diffuse, diffuse_now, hits.x, change.worth.x), advance(specular, specular_now, hits.y, change.worth.y), surface);
     } else if (id.x < view.width && id.y < view.height) {
         push.guide.v[pixel] = uvec2(0x7F800000u, 0u);
         keep(pixel, plane, id, kNoSignal, kNoSignal, 0u);
     }
     tell(thread, 0u, diffuse, luminance(diffuse_now), change.drift.x);
-    tell(thread, 5u, specular, luminance(specular_now), change.drift.y);
-    told[10][thread] = max(diffuse.frames, specular.frames) >= 3.0 ? 1.0 : 0.0;
+    tell(thread, 3u, specular, luminance(specular_now), change.drift.y);
+    told[6][thread] = max(diffuse.frames, specular.frames) >= 3.0 ? 1.0 : 0.0;
     sum_tile(thread);
 }

@@ -1,8 +1,8 @@
 #version 460
-// Where light has changed since the histories began, and how fast it drifts away from them, by the last frame's tiles.
-// A change counts as far as the frame's mean stands out of the histories' by standard errors of so many pixels, over 3 by 3, 5 by 5 or 9 by 9 tiles.
-// A drift of r a frame leaves a history of N frames r N behind, and its noise is s / sqrt(N), of which the spatial filter leaves 1 / sqrt(K):
-// the sum of the squares is least at N^3 = s^2 / (2 K r^2).
+// How fast light drifts away from the histories, by the last frame's tiles, and how many frames histories are worth then: one that is r a frame off
+// is r N behind after N frames, and its noise is s / sqrt(N), of which the spatial filter leaves 1 / sqrt(K): the sum of the squares is least at
+// N^3 = s^2 / (2 K r^2). A light that is switched is a fast drift. A drift counts by what it is larger than noise may make it, over 3 by 3,
+// 5 by 5 and 9 by 9 tiles, of which the fastest is taken.
 // Reads: tiles. Writes: verdicts.
 #extension GL_GOOGLE_include_directive : require
 #include "shared/reconstruction.h"
@@ -18,39 +18,28 @@ layout(push_constant, scalar) uniform Push {
     float history;  // frames at most
 } push;
 
-const float kFiltered = 1000.0;   // K: lag covers whole surfaces and is seen before noise
-const float kStandsOut = 9.0;     // squared standard errors that a drift must stand out by
-const int kFarthest = 4;          // tiles
+const float kFiltered = 1000.0;  // K: lag covers whole surfaces and is seen before noise
+const int kFarthest = 4;         // tiles
 
-ChangeSums add(ChangeSums a, ChangeSums b) { return ChangeSums(a.now + b.now, a.before + b.before, a.variance + b.variance, a.drift + b.drift, a.drift_variance + b.drift_variance); }
+ChangeSums add(ChangeSums a, ChangeSums b) { return ChangeSums(a.variance + b.variance, a.drift + b.drift, a.drift_variance + b.drift_variance); }
 
 void add(inout ChangeTile sum, ChangeTile t) { sum = ChangeTile(add(sum.diffuse, t.diffuse), add(sum.specular, t.specular), sum.count + t.count); }
 
-float judge(ChangeSums sum) {
-    const float change = abs(sum.now - sum.before), stands_out = change / max(sqrt(sum.variance), 1e-12), share = change / max(max(sum.now, sum.before), 1e-12);
-    return smoothstep(push.antilag, 2.0 * push.antilag, stands_out) * smoothstep(0.1, 0.25, share);
-}
-
 float worth(ChangeSums sum, float count) {
     const float noise = sum.drift_variance * kDriftShare / (2.0 - kDriftShare);  // of a running mean
-    const float drift = (sum.drift * sum.drift - kStandsOut * noise) / count;                 // squares, times `count`
+    const float drift = (sum.drift * sum.drift - push.antilag * push.antilag * noise) / count;  // squares, times `count`
     return drift <= 0.0 ? push.history : clamp(pow(sum.variance / (2.0 * kFiltered * drift), 1.0 / 3.0), 1.0, push.history);
 }
 
-struct Verdict {
-    vec2 changed, worth;
-};
-void weigh(inout Verdict verdict, ChangeTile sum) {
-    if (sum.count < 16.0) return;
-    verdict.changed = max(verdict.changed, vec2(judge(sum.diffuse), judge(sum.specular)));
-    verdict.worth = min(verdict.worth, vec2(worth(sum.diffuse, sum.count), worth(sum.specular, sum.count)));
+void weigh(inout vec2 frames, ChangeTile sum) {
+    if (sum.count >= 16.0) frames = min(frames, vec2(worth(sum.diffuse, sum.count), worth(sum.specular, sum.count)));
 }
 
 void main() {
     const uvec2 id = gl_GlobalInvocationID.xy;
     if (id.x >= push.size.x || id.y >= push.size.y) return;
     const uint tile = id.y * push.size.x + id.x;
-    const ChangeSums kNone = ChangeSums(0.0, 0.0, 0.0, 0.0, 0.0);
+    const ChangeSums kNone = ChangeSums(0.0, 0.0, 0.0);
     ChangeTile near = ChangeTile(kNone, kNone, 0.0), around = near, far = near;  // 3 by 3, 5 by 5, 9 by 9
     for (int y = -kFarthest; y <= kFarthest; ++y)
         for (int x = -kFarthest; x <= kFarthest; ++x) {
@@ -62,12 +51,12 @@ void main() {
             if (distance <= 2) add(around, t);
             if (distance <= 1) add(near, t);
         }
-    Verdict verdict = Verdict(vec2(0.0), vec2(push.history));
+    vec2 frames = vec2(push.history);
     if (push.antilag > 0.0) {
-        weigh(verdict, near);
-        weigh(verdict, around);
-        weigh(verdict, far);
+        weigh(frames, near);
+        weigh(frames, around);
+        weigh(frames, far);
     }
     const ChangeTile own = push.tiles.v[tile];
-    push.verdicts.v[tile] = ChangeVerdict(packHalf2x16(verdict.changed), packHalf2x16(verdict.worth), packHalf2x16(vec2(own.diffuse.drift, own.specular.drift) / max(own.count, 1.0)));
+    push.verdicts.v[tile] = ChangeVerdict(packHalf2x16(frames), packHalf2x16(vec2(own.diffuse.drift, own.specular.drift) / max(own.count, 1.0)));
 }
