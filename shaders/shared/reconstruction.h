@@ -31,10 +31,10 @@ SHARED_CONST uint kInputSurface = 27u;        // number of the surface that all 
 SHARED_CONST uint kInputIds = 28u;            // what the ray met first: row of the instance, primitive of its mesh, triangle; kNone: sky
 SHARED_CONST uint kInputPlanes = 31u;
 
-// Sums over a tile's pixels that have a history, of luminance: a frame's variance; how fast light drifts away from the histories, a frame, over
-// the last frames; and the variance of what one frame says of that.
+// Sums over a tile's pixels that have a history, of luminance: a frame's variance; how fast light drifts away from the histories, by the frame
+// and over the last frames; and the variance of what one frame says of that.
 struct ChangeSums {
-    float variance, drift, drift_variance;
+    float variance, drift_now, drift, drift_variance;
 };
 struct ChangeTile {
     ChangeSums diffuse, specular;

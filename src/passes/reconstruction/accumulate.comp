@@ -41,7 +41,7 @@ layout(push_constant, scalar) uniform Push {
 #include "reconstruction/history.glsl"
 
 const uint kPixels = kChangeTile * kChangeTile;
-const uint kTold = 7u;
+const uint kTold = 9u;
 shared float told[kTold][kPixels];
 
 void load_light(ViewData view, uint i) {
@@ -136,8 +136,10 @@ void tell(uint thread, uint first, Signal history, float now, float drift_before
     const bool says = history.frames >= 3.0;
     const float variance = history.deviation * history.deviation * (1.0 + 1.0 / max(history.frames, 1.0));
     told[first][thread] = says ? variance : 0.0;
-    told[first + 1u][thread] = says ? mix(drift_before, (now - luminance(history.light)) / history.frames, kDriftShare) : 0.0;
-    told[first + 2u][thread] = says ? variance / (history.frames * history.frames) : 0.0;
+    const float drift = (now - luminance(history.light)) / max(history.frames, 1.0);
+    told[first + 1u][thread] = says ? drift : 0.0;
+    told[first + 2u][thread] = says ? mix(drift_before, drift, kDriftShare) : 0.0;
+    told[first + 3u][thread] = says ? variance / (history.frames * history.frames) : 0.0;
 }
 void sum_tile(uint thread) {
     for (uint half_of = kPixels / 2u; half_of != 0u; half_of /= 2u) {
@@ -146,8 +148,8 @@ void sum_tile(uint thread) {
             for (uint k = 0u; k < kTold; ++k) told[k][thread] += told[k][thread + half_of];
     }
     if (thread != 0u) return;
-    const ChangeSums diffuse = ChangeSums(told[0][0], told[1][0], told[2][0]), specular = ChangeSums(told[3][0], told[4][0], told[5][0]);
-    push.tiles.v[gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x] = ChangeTile(diffuse, specular, told[6][0]);
+    const ChangeSums diffuse = ChangeSums(told[0][0], told[1][0], told[2][0], told[3][0]), specular = ChangeSums(told[4][0], told[5][0], told[6][0], told[7][0]);
+    push.tiles.v[gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x] = ChangeTile(diffuse, specular, told[8][0]);
 }
 
 void keep(uint pixel, uint plane, uvec2 id, Signal diffuse, Signal specular, uint surface) {
@@ -200,7 +202,7 @@ void main() {
         keep(pixel, plane, id, kNoSignal, kNoSignal, 0u);
     }
     tell(thread, 0u, diffuse, luminance(diffuse_now), change.drift.x);
-    tell(thread, 3u, specular, luminance(specular_now), change.drift.y);
-    told[6][thread] = max(diffuse.frames, specular.frames) >= 3.0 ? 1.0 : 0.0;
+    tell(thread, 4u, specular, luminance(specular_now), change.drift.y);
+    told[8][thread] = max(diffuse.frames, specular.frames) >= 3.0 ? 1.0 : 0.0;
     sum_tile(thread);
 }

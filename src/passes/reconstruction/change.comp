@@ -21,13 +21,14 @@ layout(push_constant, scalar) uniform Push {
 const float kFiltered = 1000.0;  // K: lag covers whole surfaces and is seen before noise
 const int kFarthest = 4;         // tiles
 
-ChangeSums add(ChangeSums a, ChangeSums b) { return ChangeSums(a.variance + b.variance, a.drift + b.drift, a.drift_variance + b.drift_variance); }
+ChangeSums add(ChangeSums a, ChangeSums b) { return ChangeSums(a.variance + b.variance, a.drift_now + b.drift_now, a.drift + b.drift, a.drift_variance + b.drift_variance); }
 
 void add(inout ChangeTile sum, ChangeTile t) { sum = ChangeTile(add(sum.diffuse, t.diffuse), add(sum.specular, t.specular), sum.count + t.count); }
 
+// By the last frames, and by one alone, which must stand out by more.
 float worth(ChangeSums sum, float count) {
-    const float noise = sum.drift_variance * kDriftShare / (2.0 - kDriftShare);  // of a running mean
-    const float drift = (sum.drift * sum.drift - push.antilag * push.antilag * noise) / count;  // squares, times `count`
+    const float sure = push.antilag * push.antilag, sure_now = 2.8 * sure, running = kDriftShare / (2.0 - kDriftShare);
+    const float drift = max(sum.drift * sum.drift - sure * running * sum.drift_variance, sum.drift_now * sum.drift_now - sure_now * sum.drift_variance) / count;  // squares, times `count`
     return drift <= 0.0 ? push.history : clamp(pow(sum.variance / (2.0 * kFiltered * drift), 1.0 / 3.0), 1.0, push.history);
 }
 
@@ -39,7 +40,7 @@ void main() {
     const uvec2 id = gl_GlobalInvocationID.xy;
     if (id.x >= push.size.x || id.y >= push.size.y) return;
     const uint tile = id.y * push.size.x + id.x;
-    const ChangeSums kNone = ChangeSums(0.0, 0.0, 0.0);
+    const ChangeSums kNone = ChangeSums(0.0, 0.0, 0.0, 0.0);
     ChangeTile near = ChangeTile(kNone, kNone, 0.0), around = near, far = near;  // 3 by 3, 5 by 5, 9 by 9
     for (int y = -kFarthest; y <= kFarthest; ++y)
         for (int x = -kFarthest; x <= kFarthest; ++x) {
