@@ -74,11 +74,12 @@ TEST_P(RealtimeReconstruction, frames_of_a_moving_sequence_are_near_the_referenc
     TruthStage on = set_up(load_scene(scene->source), truth_stage(*scene).camera);
     const float distance = glm::length(on.stage->scene.bounds().center() - on.camera.position);
     const ViewDesc desc = truth_view(on, picture_size(), 1, false);
-    RealtimeOptions raw = truth_options(on, true), plain = raw, builtin = raw;
+    RealtimeOptions raw = truth_options(on, true), plain = raw, builtin = raw, upscaled = raw;
     plain.reconstruction = plain_control();
-    builtin.reconstruction = ReconstructionOptions();
-    std::array runs{Played(on, desc, raw), Played(on, desc, plain), Played(on, desc, builtin)};
-    std::array<double, 3> flip{};
+    builtin.reconstruction = upscaled.reconstruction = ReconstructionOptions();
+    upscaled.upscale = 2.0;
+    std::array runs{Played(on, desc, raw), Played(on, desc, plain), Played(on, desc, builtin), Played(on, desc, upscaled)};
+    std::array<double, 4> flip{};
     for (uint32_t frame = 0; frame <= kLooks.back(); ++frame) {
         Scene& moving = on.stage->scene;
         ChangeSet changes = moving.begin_frame();
@@ -100,6 +101,7 @@ TEST_P(RealtimeReconstruction, frames_of_a_moving_sequence_are_near_the_referenc
     // Pictures of a few pixels have an edge in each, which no neighbour helps.
     tell("FLIP over a raw frame's", flip[2] / flip[0], by_size(0.35, 0.8));
     tell("FLIP over plain's", flip[2] / flip[1], by_size(0.8, 1.1));
+    tell("FLIP of twice the size over its own", flip[3] / flip[2], by_size(1.3, 1.8));
 }
 INSTANTIATE_TEST_SUITE_P(Of, RealtimeReconstruction, ::testing::ValuesIn(kSequences), [](const auto& entry) { return std::string(entry.param.scene); });
 

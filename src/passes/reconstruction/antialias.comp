@@ -31,7 +31,7 @@ layout(push_constant, scalar) uniform Push {
     float exposure_scale;  // the history times this is in this frame's exposure
     float nits;            // 1 over the exposure
     float frames;          // that a history is worth at most; 0: the frame's pixels are shown as they are
-    float sharpness;       // 1 over the kernel's deviation, pixels of the picture
+    float sharpness;       // 1 over the kernel's deviation, pixels
     float deviations;      // of the colours around that a history may lie off
     uint has_history, frame_index;
 } push;
@@ -40,7 +40,7 @@ const float kMovingShare = 0.25;  // of `frames`, where the picture moves: every
 const float kMissesStill = 12.0, kMissesMoving = 3.0;  // frames in a row that may miss a detail before it is gone
 const float kAlike = 0.6, kUnlike = 0.9;  // difference of two neighbourhoods' means over their deviations: only details differ; more than those
 const float kSameShare = 0.02;            // of the mean root that a history, and its neighbourhood's mean, may lie off where no colour deviates
-const float kSpatial = 0.05;              // what the frame's pixels around are worth for a pixel that none of them hit, as frames
+const float kSpatial = 0.05, kSure = 0.3;  // what the frame's pixels around are worth for a pixel without history; with one of so many frames nothing
 
 uint rendered_pixel(ivec2 at) { return uint(at.y) * push.rendered.x + uint(at.x); }
 bool is_rendered(ivec2 at) { return all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(push.rendered))); }
@@ -50,6 +50,9 @@ bool is_fresh(ivec2 at) {
     const uint state = push.state.v[kStateFrames * push.rendered.x * push.rendered.y + rendered_pixel(at)];
     return state >> 16 != 0u && max(state & 255u, state >> 8 & 255u) <= 4u;
 }
+
+// 0: stands still, 1: moves by half a pixel of the picture or more.
+float moves(vec2 moved_px) { return min(2.0 * length(moved_px), 1.0); }
 
 // What the frame shows around a point of the picture.
 struct Frame {
@@ -63,13 +66,15 @@ struct Frame {
 };
 Frame look(vec2 at_px, vec2 ratio) {
     const ivec2 middle = ivec2(floor(at_px));
+    // The picture's own pixels where it stands still and there is time to meet each; in motion the frame's, which all of them get something of.
+    const vec2 sharpness = push.sharpness * mix(ratio, vec2(1.0), moves(imageLoad(motion, middle).xy * ratio));
     Frame f = Frame(vec3(0.0), 0.0, vec3(0.0), vec3(0.0), kNoNeighbourhood, middle, 0.0);
     float nearest = uintBitsToFloat(0x7F800000u), around = 0.0;
     for (int i = 0; i < 9; ++i) {
         const ivec2 at = middle + ivec2(i % 3, i / 3) - 1;
         if (!is_rendered(at)) continue;
         const vec3 color = unpack_half_light(push.colors.v[rendered_pixel(at)]).rgb;
-        const vec2 off_px = vec2(at) + 0.5 + push.jitter - at_px, off = off_px * ratio * push.sharpness;
+        const vec2 off_px = vec2(at) + 0.5 + push.jitter - at_px, off = off_px * sharpness;
         const float weight = exp(-0.5 * dot(off, off)), wide = exp(-2.0 * dot(off_px, off_px)), depth = uintBitsToFloat(push.guide.v[rendered_pixel(at)].x);
         f.color += weight * color;
         f.weight += weight;
@@ -119,16 +124,16 @@ struct Past {
 };
 Past recall(Frame f, vec2 before_px, vec2 moved_px, vec2 size, vec2 ratio) {
     const vec2 kept = unpack_worth(texelFetch(history, ivec2(before_px), 0).a, push.frames);
-    const float moves = min(2.0 * length(moved_px), 1.0);
-    Past past = Past(read_history(before_px, size), min(kept.x, push.frames * mix(1.0, kMovingShare, moves)), kept.y);
+    const float moving = moves(moved_px);
+    Past past = Past(read_history(before_px, size), min(kept.x, push.frames * mix(1.0, kMovingShare, moving)), kept.y);
     // The middle of the box is the mean light's: that of roots lies below it wherever colours differ, and would darken what is clipped. What
-    // stands still may lie off three times as far: a lamp's edge that few frames see must stay in the mean of them.
+    // stands still may lie off twice as far: a lamp's edge that few frames see must stay in the mean of them.
     const vec3 middle = to_compared(f.light), off = to_compared(past.color) - middle;
-    const vec3 share = abs(off) / max(deviation_from(f.roots, middle) * push.deviations * mix(3.0, 1.0, moves), vec3(kSameShare * middle.x + 1e-5));
+    const vec3 share = abs(off) / max(deviation_from(f.roots, middle) * push.deviations * mix(2.0, 1.0, moving), vec3(kSameShare * middle.x + 1e-5));
     const float most = max_component(share);
     if (most <= 1.0) return Past(past.color, past.frames, 0.0);
     past.misses = min(past.misses + 1.0, kMostMisses);
-    const bool may_be_detail = past.misses <= mix(kMissesStill, kMissesMoving, moves);
+    const bool may_be_detail = past.misses <= mix(kMissesStill, kMissesMoving, moving);
     const float unlike = may_be_detail ? difference(f.roots, look_back(past.color, before_px, size, ratio), kSameShare) : kUnlike;
     const float stays = mix(1.0, 1.0 / most, smoothstep(kAlike, kUnlike, unlike));
     if (stays < 1.0) past.color = from_compared(middle + off * stays);
@@ -154,9 +159,9 @@ void main() {
         const bool is_new = is_fresh(ivec2(at_px)) && 2.0 * f.fresh > f.roots.count;  // not so a wire that some frames miss
         if (push.has_history != 0u && !is_new && all(greaterThan(before_px, vec2(0.0))) && all(lessThan(before_px, size)))
             past = recall(f, before_px, moved_px, size, ratio);
-        const float spatial = kSpatial * max(1.0 - past.frames / 0.3, 0.0);
+        const float spatial = kSpatial * max(1.0 - past.frames / kSure, 0.0);
         color = (past.color * past.frames + f.color + f.around * spatial) / max(past.frames + f.weight + spatial, 1e-6);
-        frames = min(past.frames + f.weight, push.frames);
+        frames = min(past.frames + f.weight + spatial, push.frames);
         misses = past.misses;
     }
     const vec3 kept = min(color, vec3(kMostHalf));

@@ -37,8 +37,8 @@ struct ReconstructionOptions {
     bool virtual_motion = true;
     bool antialias = true;       // jitter and temporal anti-aliasing
     uint32_t picture_history = 16;
-    float kernel = 0.25f;        // pixels: deviation of the reconstruction kernel
-    float deviations = 0.9f;     // of the colours around that the picture's history may lie off; three times as many where it stands still
+    float kernel = 0.25f;        // deviation of the reconstruction kernel: pixels of the frame in motion, of the picture where it stands still
+    float deviations = 1.35f;    // of the colours around that the picture's history may lie off; twice as many where it stands still
 };
 
 // What a frame leaves to the next: 40 bytes a rendered pixel, twice, and 4; 8 bytes a pixel of the picture, twice.
