@@ -68,8 +68,9 @@ RealtimeOptions options_of(double upscale, ReconstructionOptions reconstruction 
 image::ImageF truth_of(Stage& stage, const CameraView& camera) {
     Shot shot = shot_of();
     shot.view.filter = PixelFilter::Box;
+    shot.view.max_bounces = 0;  // surfaces shine and reflect nothing
     shot.camera = camera;
-    shot.sample_count = 256;
+    shot.sample_count = 128;
     return stage.picture(shot);
 }
 double psnr(const image::ImageF& picture, const image::ImageF& truth) { return image::psnr_from_mse(image::squared_errors(image::rgb_planes(picture), image::rgb_planes(truth)).mse); }
