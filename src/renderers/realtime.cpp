@@ -21,13 +21,21 @@ bool shows_cache(const View& view) {
     return std::ranges::any_of(view.channels(), is_of_it);
 }
 
+std::optional<RenderedView> make_rendered(const gpu::DevicePtr& device, const View& view, const RealtimeOptions& options) {
+    const gpu::Extent picture{view.film().width, view.film().height}, rendered = rendered_extent(picture, options.upscale);
+    if (rendered == picture) return {};
+    if (!options.reconstruction) throw Error(ErrorCode::Usage, "what is traced becomes the picture by reconstruction alone", "--upscale", "add --denoise builtin");
+    return std::make_optional<RenderedView>(device, view, rendered);
+}
+
 }  // namespace
 
 Realtime::Realtime(gpu::DevicePtr device, const View& view, const RealtimeOptions& options)
     : device_(device),
       options_(options),
-      gbuffer_(passes::make_gbuffer(device, {view.film().width, view.film().height})),
-      signals_(passes::make_signals(device, uint64_t{view.film().width} * view.film().height)),
+      rendered_(make_rendered(device, view, options)),
+      gbuffer_(passes::make_gbuffer(device, {traced(view).width, traced(view).height})),
+      signals_(passes::make_signals(device, uint64_t{traced(view).width} * traced(view).height)),
       tiles_(passes::make_light_tiles(device)) {
     if (!device->caps().subgroup_ballot)
         throw Error(ErrorCode::MissingFeature, "the realtime renderer needs subgroup ballots in compute shaders, which the device lacks", escape_name(device->caps().name), "use --renderer reference");
@@ -36,9 +44,9 @@ Realtime::Realtime(gpu::DevicePtr device, const View& view, const RealtimeOption
     if (options.gbuffer == GBufferMode::Raster && view.desc().camera.lens_radius > 0)
         throw Error(ErrorCode::Usage, "a camera with a lens is traced", "gbuffer.mode=raster", "use gbuffer.mode=trace");
     if (options.cache) cache_.emplace(device, options.cache_options);
-    if (options.reconstruction) reconstruction_.emplace(device, gbuffer_.identity.extent(), gbuffer_.identity.extent(), *options.reconstruction);
-    const uint32_t rows = (options.slots != 0 ? options.slots : passes::usual_light_paths(device->caps())) / view.film().width / kTileRows * kTileRows;
-    band_rows_ = std::clamp(rows, std::min(kTileRows, view.film().height), view.film().height);
+    if (options.reconstruction) reconstruction_.emplace(device, gbuffer_.identity.extent(), gpu::Extent{view.film().width, view.film().height}, *options.reconstruction);
+    const uint32_t rows = (options.slots != 0 ? options.slots : passes::usual_light_paths(device->caps())) / traced(view).width / kTileRows * kTileRows;
+    band_rows_ = std::clamp(rows, std::min(kTileRows, traced(view).height), traced(view).height);
 }
 
 bool Realtime::draws_pixels(const View& view) const {
@@ -78,7 +86,7 @@ void Realtime::trace_band(passes::LightPass pass, uint32_t path_length) {
 
 void Realtime::trace_paths(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const View& view) {
     const bool layers = (scene.features() & shared::kSceneLayers) != 0;
-    if (!paths_.paths || layers != paths_have_layers_) paths_ = passes::make_light_paths(device_, band_rows_ * view.film().width, layers);
+    if (!paths_.paths || layers != paths_have_layers_) paths_ = passes::make_light_paths(device_, band_rows_ * traced(view).width, layers);
     paths_have_layers_ = layers;
     const shared::RealtimeFrame settings{.frame_index = frame_index_,
                                          .exposure = options_.exposure,
@@ -86,12 +94,12 @@ void Realtime::trace_paths(Frame& frame, const SceneGpu& scene, gpu::TraceWay wa
                                          .tiles = options_.tiles,
                                          .path_bounces = options_.path_bounces,
                                          .follows = follows(scene) ? 1u : 0u};
-    for (uint32_t row = 0; row < view.film().height; row += band_rows_) {
-        const shared::Slice band{.first_row = row, .row_count = std::min(band_rows_, view.film().height - row), .first_sample = frame_index_, .sample_count = 1};
+    for (uint32_t row = 0; row < traced(view).height; row += band_rows_) {
+        const shared::Slice band{.first_row = row, .row_count = std::min(band_rows_, traced(view).height - row), .first_sample = frame_index_, .sample_count = 1};
         trace_band({.frame = frame,
                     .scene = scene,
                     .way = way,
-                    .film = view.film(),
+                    .film = traced(view),
                     .gbuffer = gbuffer_,
                     .paths = paths_,
                     .signals = signals_,
@@ -108,7 +116,7 @@ void Realtime::show(Frame& frame, View& view) {
     const passes::Film& film = view.film();
     const shared::ViewData& data = view.data();
     const bool turned = glm::dot(data.camera.forward_ws, data.camera_before.forward_ws) <= 0.0f || data.camera.orthographic != data.camera_before.orthographic;
-    const passes::ReconstructionInput input{.film = film, .jitter_px = view.jitter(), .gbuffer = gbuffer_, .signals = signals_, .exposure = options_.exposure, .cut = cut_ || turned};
+    const passes::ReconstructionInput input{.film = traced(view), .picture = &film, .jitter_px = view.jitter(), .gbuffer = gbuffer_, .signals = signals_, .exposure = options_.exposure, .cut = cut_ || turned};
     if (keeps_input_) input_.record(frame, input, data);
     if (reconstruction_) reconstruction_->record(frame, input, frame_index_);
     else passes::composite(frame, film, gbuffer_, signals_, options_.exposure);
@@ -122,15 +130,16 @@ std::optional<passes::CacheUpdate> Realtime::begin_update(Frame& frame, const Sc
     scene_version_ = scene.version();
     return std::make_optional<passes::CacheUpdate>(
         frame, scene, way, *cache_,
-        passes::CacheFrame{.frame_index = frame_index_, .seed = view.desc().seed, .exposure = options_.exposure, .lights_changed = changed, .view = view.film().view});
+        passes::CacheFrame{.frame_index = frame_index_, .seed = view.desc().seed, .exposure = options_.exposure, .lights_changed = changed, .view = traced(view).view});
 }
 
 void Realtime::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, View& view, bool ends_range) {
-    const passes::Film& film = view.film();
+    const passes::Film& film = traced(view);
     const auto sample = static_cast<uint32_t>(view.accumulation().samples++);
-    const shared::Slice slice{.first_row = 0, .row_count = film.height, .first_sample = sample, .sample_count = 1};
+    const shared::Slice slice{.first_row = 0, .row_count = view.film().height, .first_sample = sample, .sample_count = 1};
     if (reconstruction_) view.set_jitter(reconstruction_->jitter_px(frame_index_));
     begin_slice(frame, scene, way, view, slice);
+    if (rendered_) rendered_->prepare(frame, view);
     std::optional<passes::CacheUpdate> update = begin_update(frame, scene, way, view);
     if (update) update->trace_first();
     if (draws_pixels(view)) passes::raster_identity(frame, scene, film, gbuffer_.identity, raster_, frame_index_);

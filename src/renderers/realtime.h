@@ -9,6 +9,7 @@
 #include "passes/realtime/realtime.h"
 #include "renderers/kept_input.h"
 #include "renderers/reconstruction.h"
+#include "renderers/rendered_view.h"
 #include "passes/wavefront/replay.h"
 #include "renderers/view.h"
 
@@ -30,6 +31,7 @@ struct RealtimeOptions {
     CacheOptions cache_options;
     float exposure = 1.0f;    // stored radiance is nits times this; about 1 over the nits of white
     std::optional<ReconstructionOptions> reconstruction = {};  // none: frames are as noisy as their paths
+    double upscale = 1.0;     // the picture's width and height over those of what is traced; more than 1 needs reconstruction
 };
 
 // Draws frames of one view.
@@ -59,6 +61,7 @@ public:
     bool updates_cells = true;
 
 private:
+    const passes::Film& traced(const View& view) const { return rendered_ ? rendered_->film() : view.film(); }  // the film of the frame's passes
     std::optional<passes::CacheUpdate> begin_update(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const View& view);
     bool draws_pixels(const View& view) const;
     bool follows(const SceneGpu& scene) const;
@@ -69,6 +72,7 @@ private:
 
     gpu::DevicePtr device_;
     RealtimeOptions options_;
+    std::optional<RenderedView> rendered_;  // where the picture has more pixels
     passes::GBuffer gbuffer_;
     passes::RasterHistory raster_;
     passes::Signals signals_;

@@ -36,7 +36,8 @@ Reconstruction::Reconstruction(const gpu::DevicePtr& device, gpu::Extent rendere
 glm::vec2 Reconstruction::jitter_px(uint32_t frame_index) const {
     if (!options_.antialias) return glm::vec2(0.0f);
     const gpu::Extent picture = histories_[0].picture.extent();
-    const uint32_t ratio = std::max(1u, (picture.width + rendered_.width - 1) / rendered_.width), place = 1 + frame_index % (16 * ratio * ratio);
+    const uint64_t pixels = uint64_t{picture.width} * picture.height, rendered = uint64_t{rendered_.width} * rendered_.height;
+    const uint32_t places = static_cast<uint32_t>((16 * pixels + rendered - 1) / rendered), place = 1 + frame_index % places;
     return {radical_inverse(place, 2) - 0.5f, radical_inverse(place, 3) - 0.5f};
 }
 

@@ -46,7 +46,7 @@ void add_passes(RealtimeBenchRow& row, const Frame& frame, double share) {
     }
 }
 
-constexpr std::string_view kPixelTracing = "gbuffer/identity";
+constexpr std::string_view kPixelTracing = "gbuffer/identity", kAntialias = "reconstruction/antialias";
 
 // Milliseconds of tracing the rays of frames bare (RealtimeBenchRow::bare_ms).
 class BareTracing {
@@ -109,6 +109,9 @@ RealtimeBenchOptions read_realtime_bench_options(const OptionValues& values, con
     if (caps.type == gpu::DeviceType::Cpu) options.size = {320, 180};
     if (values.given("--size")) options.size = parse_size(values.text("--size"), "--size");
     if (values.given("--spp")) options.frames = static_cast<uint32_t>(parse_int(values.text("--spp"), "--spp", 1, 1 << 20));
+    options.denoise = values.text("--denoise") == "builtin";
+    options.upscale = parse_float(values.text("--upscale"), "--upscale", 1, kMostUpscale);
+    if (options.upscale > 1 && !options.denoise) throw Error(ErrorCode::Usage, "builtin puts the picture's pixels together", values.where("--upscale"), "add --denoise builtin, or leave it out");
     const std::vector<gpu::TraceWay> ways = bench_ways(values, caps);
     options.way = std::ranges::find(ways, gpu::TraceWay::Compute) != ways.end() ? gpu::TraceWay::Compute : ways.front();
     for (const std::string& assignment : values.texts("--set")) apply_assignment(options.settings, assignment);
@@ -133,6 +136,7 @@ RealtimeBenchRow run_realtime_bench(const std::string& scene, const RealtimeBenc
     View view(device, desc);
     RealtimeOptions realtime_settings = realtime_options(options.settings, device->caps());
     realtime_settings.exposure = static_cast<float>(image::exposure_scale_from_ev100(meter_scene(device, frame, on_device, options.way, desc)));
+    if (options.denoise) realtime_settings.reconstruction = options.settings.reconstruction, realtime_settings.upscale = options.upscale;
     Realtime realtime(device, view, realtime_settings);
 
     RealtimeBenchRow row{.scene = scene};
@@ -152,7 +156,8 @@ RealtimeBenchRow run_realtime_bench(const std::string& scene, const RealtimeBenc
         bare.end();
         if (counts) bare.add(frame, view);
     };
-    const double share = 1.0 / options.frames, pixels = double(options.size.width) * options.size.height;
+    const gpu::Extent traced = realtime.gbuffer().identity.extent();
+    const double share = 1.0 / options.frames, pixels = double(traced.width) * traced.height;
     for (uint32_t i = 0; i < options.warmup; ++i) draw();
     draw_replaying(false);  // compiles
     for (uint32_t i = 0; i < options.frames; ++i) {
@@ -181,17 +186,17 @@ RealtimeBenchRow run_realtime_bench(const std::string& scene, const RealtimeBenc
 }
 
 std::string realtime_bench_table(const std::vector<RealtimeBenchRow>& rows, const RealtimeBenchOptions& options) {
-    std::string out = fmt::format("{}x{}, {} frames after {}, camera turning; GPU milliseconds\n", options.size.width, options.size.height, options.frames, options.warmup);
-    out += fmt::format("{:<28} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>7} {:>9} {:>9} {:>10} {:>9} {:>9}\n", "scene", "gbuffer", "tiles", "cache", "light", "compose", "lighting", "traced", "to bare", "rays/px", "live cells", "updated", "its rays");
+    std::string out = fmt::format("{}x{}{}, {} frames after {}, camera turning; GPU milliseconds\n", options.size.width, options.size.height, options.upscale > 1 ? fmt::format(" of frames {} times smaller", options.upscale) : "", options.frames, options.warmup);
+    out += fmt::format("{:<28} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9} {:>9} {:>7} {:>9} {:>9} {:>10} {:>9} {:>9}\n", "scene", "gbuffer", "tiles", "cache", "light", "compose", "denoise", "antialias", "lighting", "traced", "to bare", "rays/px", "live cells", "updated", "its rays");
     for (const RealtimeBenchRow& row : rows)
-        out += fmt::format("{:<28} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>9.3f} {:>5.1f} % {:>9.2f} {:>9.3f} {:>10.0f} {:>9.0f} {:>9.0f}\n", escape_name(row.scene), row.ms("gbuffer/"), row.ms("lights/"), row.cache_ms,
-                           row.ms("realtime/") + row.ms("wavefront/") - row.ms("realtime/composite"), row.ms("realtime/composite"), row.lighting_ms(), row.trace_share() * 100, row.over_bare(), row.rays_per_pixel, row.live_cells, row.updated_cells, row.cache_rays);
+        out += fmt::format("{:<28} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>9.3f} {:>9.3f} {:>9.3f} {:>5.1f} % {:>9.2f} {:>9.3f} {:>10.0f} {:>9.0f} {:>9.0f}\n", escape_name(row.scene), row.ms("gbuffer/"), row.ms("lights/"), row.cache_ms,
+                           row.ms("realtime/") + row.ms("wavefront/") - row.ms("realtime/composite"), row.ms("realtime/composite"), row.ms("reconstruction/") - row.ms(kAntialias), row.ms(kAntialias), row.lighting_ms(), row.trace_share() * 100, row.over_bare(), row.rays_per_pixel, row.live_cells, row.updated_cells, row.cache_rays);
     return out;
 }
 
 nlohmann::ordered_json realtime_bench_json(const std::vector<RealtimeBenchRow>& rows, const RealtimeBenchOptions& options, const gpu::DeviceCaps& caps) {
     nlohmann::ordered_json out{{"schema", 1}, {"device", caps.name}, {"driver", caps.driver}, {"trace", gpu::trace_way_name(options.way)},
-                               {"size", {options.size.width, options.size.height}}, {"frames", options.frames}, {"rows", nlohmann::ordered_json::array()}};
+                               {"size", {options.size.width, options.size.height}}, {"frames", options.frames}, {"denoise", options.denoise ? "builtin" : "none"}, {"upscale", options.upscale}, {"rows", nlohmann::ordered_json::array()}};
     for (const RealtimeBenchRow& row : rows) {
         nlohmann::ordered_json entry{{"scene", row.scene}, {"lighting_ms", row.lighting_ms()}, {"frame_ms", row.frame_ms}, {"trace_share", row.trace_share()}, {"bare_ms", row.bare_ms}, {"over_bare", row.over_bare()}, {"rays_per_pixel", row.rays_per_pixel}, {"live_cells", row.live_cells}, {"updated_cells", row.updated_cells}, {"cache_ms", row.cache_ms}, {"cache_alone_ms", row.ms("cache/")}, {"cache_rays", row.cache_rays}, {"cache_bytes", row.cache_bytes}};
         for (const RealtimeBenchRow::PassMs& pass : row.passes) entry["passes"].push_back({{"name", pass.name}, {"variant", pass.variant}, {"ms", pass.ms}});

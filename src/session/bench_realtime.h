@@ -15,6 +15,8 @@ struct RealtimeBenchOptions {
     Size2 size{1920, 1080};
     gpu::TraceWay way = gpu::TraceWay::Compute;
     uint32_t warmup = 32, frames = 64;
+    bool denoise = false;  // with the built-in reconstruction
+    double upscale = 1;    // of the picture, whose size `size` is
     RenderSettings settings;
 };
 

@@ -8,7 +8,7 @@
 
 namespace parhelion {
 
-uint64_t hash_render(const Scene& scene, const ViewDesc& view, const RenderSettings& settings) {
+uint64_t hash_render(const Scene& scene, const ViewDesc& view, const RenderSettings& settings, double upscale) {
     RenderSettings shown = settings;
     const RenderSettings standard;  // of what does not belong to the picture, as --trace
     shown.node_layout = standard.node_layout, shown.bvh_loop = standard.bvh_loop;
@@ -26,6 +26,7 @@ uint64_t hash_render(const Scene& scene, const ViewDesc& view, const RenderSetti
         for (const glm::vec3& v : {camera.position_ws, camera.right_ws, camera.up_ws, camera.forward_ws}) hasher.add(v.x).add(v.y).add(v.z);
         hasher.add(camera.orthographic).add(camera.lens_radius).add(camera.focus_distance);
     }
+    if (upscale != 1) hasher.add(upscale);
     return hasher.value();
 }
 

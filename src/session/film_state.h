@@ -18,7 +18,7 @@ inline constexpr const char* kExposureAttribute = "exposure_ev100";
 inline constexpr const char* kSettingsAttribute = "settings_hash";
 inline constexpr const char* kSamplesAttribute = "samples";  // pictures only
 
-uint64_t hash_render(const Scene& scene, const ViewDesc& view, const RenderSettings& settings);
+uint64_t hash_render(const Scene& scene, const ViewDesc& view, const RenderSettings& settings, double upscale = 1);
 image::Attributes film_attributes(uint64_t settings_hash, double exposure_ev);
 std::optional<double> recorded_exposure(const image::Attributes& attributes);
 

@@ -78,6 +78,7 @@ void FramesJob::begin() {
     for (const std::filesystem::path& file : options_.output.files)
         if (is_sequence(file)) check_writable(frame_file(file, play_.frames.begin));
     report_.size = options_.size;
+    report_.upscale = options_.upscale;
     report_.wanted = {first_counted(), play_.frames.end};
     report_.finished_end = report_.resumed_at = first_counted();
     report_.frame_samples = realtime() ? 1 : options_.samples.end;
@@ -87,6 +88,7 @@ void FramesJob::begin() {
         RealtimeOptions settings = realtime_options(settings_, device_->caps());
         settings.exposure = static_cast<float>(image::exposure_scale_from_ev100(report_.exposure_ev));
         if (options_.denoise == DenoiseKind::Builtin) settings.reconstruction = settings_.reconstruction;
+        settings.upscale = options_.upscale;
         realtime_.emplace(device_, *view_, settings);
         realtime_->keep_input(options_.reconstruction_layers || !options_.dataset.empty());
     }

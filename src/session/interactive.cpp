@@ -100,7 +100,8 @@ void Interactive::set_up_scene() {
 }
 
 std::unique_ptr<ViewDrawer> Interactive::make_drawer(RendererKind kind, const RenderSettings& settings) const {
-    return make_view_drawer(device_, {.kind = kind, .size = options_.size, .max_samples = options_.samples.end, .denoise = options_.denoise}, settings);
+    const double upscale = layer_.empty() ? options_.upscale : 1;  // a layer has a value a traced pixel
+    return make_view_drawer(device_, {.kind = kind, .size = options_.size, .max_samples = options_.samples.end, .denoise = options_.denoise, .upscale = upscale}, settings);
 }
 
 void Interactive::set_up_view() {
@@ -168,6 +169,12 @@ void Interactive::set_settings(const RenderSettings& settings) {
 
 void Interactive::set_max_bounces(uint32_t count) {
     options_.max_bounces = count;
+    if (view_) set_up_view();
+}
+
+void Interactive::set_upscale(double factor) {
+    rendered_extent(extent_of(options_.size), factor);
+    options_.upscale = factor;
     if (view_) set_up_view();
 }
 

@@ -66,6 +66,7 @@ public:
     void set_renderer(RendererKind kind);
     void set_settings(const RenderSettings& settings);
     void set_max_bounces(uint32_t count);         // 0: unlimited
+    void set_upscale(double factor);              // of the realtime renderer with --denoise builtin: 1 to kMostUpscale
     void set_layer(const std::string& name);      // an AOV (film_groups()) instead of the beauty; empty: the beauty
     const std::string& layer() const { return layer_; }
     static std::vector<std::string> layers();     // all that can be shown, the beauty ("") first

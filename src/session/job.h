@@ -42,6 +42,7 @@ struct RenderReport {
     bool shade_in_hit = false;  // reference.shade_in=closest_hit
     uint64_t triangles = 0, instances = 0, lights = 0;
     Size2 size;
+    double upscale = 1;         // RenderOptions::upscale
     IndexRange wanted;          // samples that were asked for
     uint64_t finished_end = 0;  // samples [wanted.begin, finished_end) are in every pixel of the outputs
     uint64_t resumed_at = 0;    // first sample of this run

@@ -109,7 +109,7 @@ void JobBase::set_up() {
     report_.exposure_metered = !options_.exposure_ev;
     report_.exposure_ev = options_.exposure_ev ? *options_.exposure_ev : meter_scene(device_, *frame_, *scene_gpu_, way_, desc);
     log(LogLevel::Info, "exposure EV100 {:.2f}{}", report_.exposure_ev, report_.exposure_metered ? ", metered from the scene" : "");
-    report_.settings_hash = hash_render(loaded_.scene, desc, settings_);
+    report_.settings_hash = hash_render(loaded_.scene, desc, settings_, options_.upscale);
     report_.setup_seconds = seconds_since(begin);
 }
 

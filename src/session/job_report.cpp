@@ -68,6 +68,7 @@ Json report_json(const RenderReport& report) {
             {"instances", report.instances},
             {"lights", report.lights},
             {"size", {report.size.width, report.size.height}},
+            {"upscale", report.upscale},
             {"max_bounces", report.max_bounces}};
     out.update(length);
     out.update({{"complete", complete},

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "renderers/rendered_view.h"
 
 namespace parhelion {
 
@@ -171,6 +172,8 @@ void check_outputs(const OptionValues& values, const RenderOptions& options) {
                     "use --out PART.exr; parhelion merge writes the picture");
     if (options.is_part && options.denoise == DenoiseKind::Oidn) refuse(values.where("--denoise"), "a part holds sums of samples, which have to stay as they are", "leave it out of parts");
     check_debug_layers(options, values.where("--aov"));
+    if (options.upscale > 1) check_upscaled_layers(options.aovs);
+    if (options.upscale > 1 && options.reconstruction_layers) refuse(values.where("--aov"), "what reconstruction gets has fewer pixels than the picture", "leave --upscale out, or write --dataset");
     if ((!options.aovs.empty() || options.keep_noisy || options.reconstruction_layers) && !exr) throw Error(ErrorCode::Usage, "layers need an EXR", values.where("--aov"), "add --out F.exr");
     check_sequence(values, options);
     if (options.resume && options.checkpoint.empty())
@@ -228,6 +231,9 @@ RenderOptions read_picture(const OptionValues& values) {
     options.denoise = read_choice<DenoiseKind>(values, "--denoise");
     if (options.denoise == DenoiseKind::Builtin && options.renderer != RendererKind::Realtime)
         refuse(values.where("--denoise"), "builtin puts a realtime frame together with those before it", "add --renderer realtime, or leave it out");
+    options.upscale = parse_float(values.text("--upscale"), "--upscale", 1, kMostUpscale);
+    if (options.upscale > 1 && options.denoise != DenoiseKind::Builtin)
+        refuse(values.where("--upscale"), "builtin puts the picture's pixels together", "add --denoise builtin, or leave it out");
     options.size = parse_size(values.text("--size"), "--size");
     options.seed = read_uint(values, "--seed");
     options.max_bounces = read_uint(values, "--max-bounces");

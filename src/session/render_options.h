@@ -38,6 +38,7 @@ struct RenderOptions {
     LoadOptions load;
     RendererKind renderer = RendererKind::Reference;
     DenoiseKind denoise = DenoiseKind::None;
+    double upscale = 1;  // the picture's width and height over those of the realtime renderer's frames
     Size2 size{1280, 720};
     uint32_t seed = 0;
     IndexRange samples{0, 64};  // half open

@@ -67,8 +67,8 @@ void visit_reconstruction(V&& v, ReconstructionOptions& s) {
     v.field("reconstruction.virtual_motion", s.virtual_motion, on_off(), "look for reflections where they were seen, not only where the surface was");
     v.field("reconstruction.antialias", s.antialias, on_off(), "look elsewhere through pixels in every frame, and put these together");
     v.field("reconstruction.picture_history", s.picture_history, range(1, 1024), "frames that anti-aliasing puts together, at most");
-    v.field("reconstruction.kernel", s.kernel, range(0.05, 2), "pixels: how far off a frame's rays count for a pixel of the picture (standard deviation)");
-    v.field("reconstruction.deviations", s.deviations, range(0.1, 100), "standard deviations of the colours around that the picture's history may lie off; three times as many where it stands still");
+    v.field("reconstruction.kernel", s.kernel, range(0.05, 2), "pixels (with --upscale, of the frame in motion, of the picture at rest): how far off a frame's rays count for a pixel of the picture (standard deviation)");
+    v.field("reconstruction.deviations", s.deviations, range(0.1, 100), "standard deviations of the colours around that the picture's history may lie off; twice as many where it stands still");
 }
 
 template <class V>

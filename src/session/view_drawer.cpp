@@ -138,7 +138,7 @@ std::unique_ptr<ViewDrawer> make_view_drawer(const gpu::DevicePtr& device, const
         case RendererKind::Wavefront: return std::make_unique<WavefrontDrawer>(device, wavefront_options(settings), options.size, options.max_samples);
         case RendererKind::Realtime: {
             RealtimeOptions realtime = realtime_options(settings, device->caps());
-            if (options.denoise == DenoiseKind::Builtin) realtime.reconstruction = settings.reconstruction;
+            if (options.denoise == DenoiseKind::Builtin) realtime.reconstruction = settings.reconstruction, realtime.upscale = options.upscale;
             return std::make_unique<RealtimeDrawer>(device, realtime, options.max_samples);
         }
     }

@@ -43,6 +43,7 @@ struct DrawerOptions {
     Size2 size;
     uint64_t max_samples = 0;  // a picture ends after so many
     DenoiseKind denoise = DenoiseKind::None;
+    double upscale = 1;  // with DenoiseKind::Builtin
 };
 
 // Adding a renderer: a class in view_drawer.cpp and a line in this function. Throws Error if the device or the settings do not let it draw.

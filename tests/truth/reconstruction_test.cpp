@@ -57,10 +57,11 @@ TEST_P(RealtimeReconstruction, frames_of_a_moving_sequence_are_near_the_referenc
     if (const std::string why = why_skipped(*scene); !why.empty()) return report_skip("reconstruct", scene->name, why);
     TruthStage on = set_up(load_scene(scene->source), truth_stage(*scene).camera);
     const std::unique_ptr<image::Denoiser> oidn = find_denoiser();
-    RealtimeOptions raw = truth_options(on, true), plain = raw, builtin = raw;
+    RealtimeOptions raw = truth_options(on, true), plain = raw, builtin = raw, upscaled = raw;
     plain.reconstruction = plain_control();
-    builtin.reconstruction = ReconstructionOptions();
-    std::vector<SequenceRun> runs{{"raw", raw, {"albedo", "normal", "depth", "motion"}}, {"plain", plain}, {"builtin", builtin}};
+    builtin.reconstruction = upscaled.reconstruction = ReconstructionOptions();
+    upscaled.upscale = 2.0;
+    std::vector<SequenceRun> runs{{"raw", raw, {"albedo", "normal", "depth", "motion"}}, {"plain", plain}, {"builtin", builtin}, {"upscaled", upscaled}};
     std::map<std::string, Measured> of;
     std::map<std::string, image::ImageF> before;
     uint32_t before_index = 0;
@@ -84,6 +85,7 @@ TEST_P(RealtimeReconstruction, frames_of_a_moving_sequence_are_near_the_referenc
     // Pictures of a few pixels have an edge in each, which no neighbour helps.
     tell("FLIP over a raw frame's", of["builtin"].flip() / of["raw"].flip(), by_size(0.35, 0.8));
     tell("FLIP over plain's", of["builtin"].flip() / of["plain"].flip(), by_size(0.8, 1.1));
+    tell("FLIP of twice the size", of["upscaled"].flip() / of["builtin"].flip(), by_size(1.3, 1.8));
     if (!oidn) return report_skip("reconstruct", scene->name, "Open Image Denoise was not found");
     tell("FLIP over OIDN's", of["builtin"].flip() / of["oidn"].flip(), by_size(1.1, 1.5));
     tell("flicker over OIDN's", of["builtin"].flicker() / of["oidn"].flicker(), by_size(0.25, 1.0));

@@ -29,12 +29,15 @@ int bench_realtime(const OptionValues& values, const gpu::DevicePtr& device, con
 }  // namespace
 
 int run_bench(const OptionValues& values) {
+    const bool realtime = !values.positionals.empty() && values.positionals.front() == "realtime";
+    for (const std::string_view option : {"--denoise", "--upscale"})
+        if (values.given(option) && !realtime) throw Error(ErrorCode::Usage, "fits bench realtime alone", values.where(option), "leave it out");
     if (!values.positionals.empty() && values.positionals.front() == "trace") return run_trace_bench_command(values, std::nullopt);
     if (values.flag("--layouts")) throw Error(ErrorCode::Usage, "fits bench trace alone", "--layouts", "leave it out");
     const std::string json = values.given("--json") ? values.text("--json") : "";
     check_json_target(json);
     const gpu::DevicePtr device = gpu::Device::open({.selector = values.given("--device") ? values.text("--device") : ""});
-    if (!values.positionals.empty() && values.positionals.front() == "realtime") return bench_realtime(values, device, json);
+    if (realtime) return bench_realtime(values, device, json);
     const std::vector<BenchCase> cases = bench_cases(values, device->caps());
     log(LogLevel::Info, "{} runs on {}", cases.size(), escape_name(device->caps().name));
     const LogLevel level = log_level();

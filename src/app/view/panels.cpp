@@ -138,6 +138,10 @@ void Panels::show_picture(Interactive& session) {
     if (ImGui::Combo("renderer", &renderer, kRenderers.data(), static_cast<int>(kRenderers.size())))
         change(session, [&] { session.set_renderer(static_cast<RendererKind>(renderer)); });
     if (session.has_whole_frames()) ImGui::Checkbox("accumulate", &session.accumulate);
+    if (session.options().renderer == RendererKind::Realtime && session.options().denoise == DenoiseKind::Builtin) {
+        auto upscale = static_cast<float>(session.options().upscale);
+        if (ImGui::SliderFloat("upscale", &upscale, 1.0f, static_cast<float>(kMostUpscale), "%.2f")) change(session, [&] { session.set_upscale(std::round(double{upscale} * 100) / 100); });
+    }
     int bounces = static_cast<int>(session.options().max_bounces);
     if (ImGui::SliderInt("bounces", &bounces, 0, 64, bounces == 0 ? "unlimited" : "%d")) session.set_max_bounces(static_cast<uint32_t>(std::clamp(bounces, 0, 65535)));
     auto exposure = static_cast<float>(session.show.exposure_ev);

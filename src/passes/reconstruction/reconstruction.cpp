@@ -26,8 +26,8 @@ struct FilterPush {
     float sigmas;
 };
 struct AntialiasPush {
-    uint64_t view, guide, colors, block;
-    glm::uvec2 size;
+    uint64_t view, guide, colors, state, block;
+    glm::uvec2 rendered;
     glm::vec2 jitter;
     float exposure_scale, nits, frames, sharpness, deviations;
     uint32_t has_history, frame_index;
@@ -123,16 +123,18 @@ const gpu::Buffer& filter_light(const ReconstructionPass& pass, uint32_t index) 
 
 void antialias(const ReconstructionPass& pass, const gpu::Buffer& colors, const gpu::Sampler& sampler) {
     const ReconstructionInput& in = pass.input;
-    const gpu::Extent picture = pass.now.picture.extent();
+    const Film& film = in.picture != nullptr ? *in.picture : in.film;
+    const gpu::Extent rendered = in.gbuffer.identity.extent();
     pass.frame.compute("reconstruction/antialias")
-        .read("view", in.film.view)
+        .read("view", film.view)
         .read("motion", in.gbuffer.motion)
         .read("guide", pass.now.guide)
+        .read("state", pass.now.state)
         .read("colors", colors)
         .sample("history", pass.before.picture, sampler)
         .write("picture", pass.now.picture)
-        .read_write("block", in.film.block)
-        .push(AntialiasPush{.size = {picture.width, picture.height},
+        .read_write("block", film.block)
+        .push(AntialiasPush{.rendered = {rendered.width, rendered.height},
                             .jitter = in.jitter_px,
                             .exposure_scale = pass.settings.exposure_scale,
                             .nits = 1.0f / in.exposure,
@@ -141,7 +143,7 @@ void antialias(const ReconstructionPass& pass, const gpu::Buffer& colors, const 
                             .deviations = pass.options.deviations,
                             .has_history = pass.settings.has_history,
                             .frame_index = pass.settings.frame_index})
-        .over(picture);
+        .over(pass.now.picture.extent());
 }
 
 }  // namespace parhelion::passes

@@ -9,8 +9,9 @@ namespace parhelion::passes {
 // right, y down, centres at .5. World space is right-handed, +Y up, metres. Light is linear Rec.709 in nits times `exposure`.
 struct ReconstructionInput {
     // The cameras of this frame and of the last (ViewData::camera, camera_before) and this frame's jitter: pixel (i, j) looks through film
-    // position (i + 0.5, j + 0.5) + jitter. Its film takes the picture.
+    // position (i + 0.5, j + 0.5) + jitter.
     const Film& film;
+    const Film* picture = nullptr;  // whose film takes the picture, of as many pixels or more; null: `film` itself
     glm::vec2 jitter_px{0.0f};
     // gbuffer.identity: which surface, and its geometric normal towards the camera. gbuffer.summary: base colour, roughness, reflectance and
     // metallic, which demodulate (realtime/demodulate.glsl), and the shading normal. gbuffer.motion: where the surface was on the last frame's
@@ -40,8 +41,8 @@ struct ReconstructionOptions {
     bool follow = true;          // what is seen through exact mirrors and panes stands in their place
     bool antialias = true;       // jitter and temporal anti-aliasing
     uint32_t picture_history = 16;
-    float kernel = 0.25f;        // pixels: deviation of the reconstruction kernel
-    float deviations = 0.9f;     // of the colours around that the picture's history may lie off; three times as many where it stands still
+    float kernel = 0.25f;        // deviation of the reconstruction kernel: pixels of the frame in motion, of the picture where it stands still
+    float deviations = 1.35f;    // of the colours around that the picture's history may lie off; twice as many where it stands still
 };
 
 // What a frame leaves to the next: 40 bytes a rendered pixel, twice, and 4; 8 bytes a pixel of the picture, twice.

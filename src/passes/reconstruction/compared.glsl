@@ -1,0 +1,50 @@
+// Colours as anti-aliasing compares them, neighbourhoods of them, and what a history is worth.
+#ifndef PARHELION_RECONSTRUCTION_COMPARED_GLSL
+#define PARHELION_RECONSTRUCTION_COMPARED_GLSL
+#include "lib/color.glsl"
+
+// Roots, which are about as far apart as they look, luminance apart from the rest (YCoCg; Malvar and Sullivan 2003).
+vec3 to_compared(vec3 light) {
+    const vec3 c = sqrt(light);
+    return vec3(0.25 * c.r + 0.5 * c.g + 0.25 * c.b, 0.5 * (c.r - c.b), -0.25 * c.r + 0.5 * c.g - 0.25 * c.b);
+}
+vec3 from_compared(vec3 y) {
+    const float t = y.x - y.z;
+    const vec3 c = max(vec3(t + y.y, y.x + y.z, t - y.y), vec3(0.0));
+    return c * c;
+}
+
+// Sums over compared colours.
+struct Neighbourhood {
+    vec3 sum, squares;
+    float count;
+};
+const Neighbourhood kNoNeighbourhood = Neighbourhood(vec3(0.0), vec3(0.0), 0.0);
+void add(inout Neighbourhood n, vec3 compared) {
+    n.sum += compared;
+    n.squares += compared * compared;
+    n.count += 1.0;
+}
+// Root of the mean square of what they lie off this colour.
+vec3 deviation_from(Neighbourhood n, vec3 middle) { return sqrt(max((n.squares - 2.0 * middle * n.sum) / n.count + middle * middle, vec3(0.0))); }
+
+// How far two neighbourhoods' means lie apart, in sums of their deviations. Details that one of them lacks spread the other's colours by more
+// than they move its mean; a change, or something else in its place, moves the mean and spreads nothing.
+float difference(Neighbourhood a, Neighbourhood b, float same_share) {
+    const vec3 mean_a = a.sum / a.count, mean_b = b.sum / b.count;
+    return length(mean_a - mean_b) / (length(deviation_from(a, mean_a)) + length(deviation_from(b, mean_b)) + same_share * max(mean_a.x, 1e-3));
+}
+
+// Frames that a history is worth, in 127 steps of its root so that small ones stay apart, up or down by 16 random bits; and above them its misses.
+// Whole numbers up to 2047 are exact in half floats.
+const float kMostMisses = 15.0;
+float pack_worth(vec2 frames_and_misses, float most_frames, uint random) {
+    const float step = sqrt(clamp(frames_and_misses.x / max(most_frames, 1e-6), 0.0, 1.0)) * 127.0;
+    return min(floor(step + float(random & 0xFFFFu) / 65536.0), 127.0) + 128.0 * frames_and_misses.y;
+}
+vec2 unpack_worth(float packed, float most_frames) {
+    const uint bits = uint(packed);
+    const float root = float(bits & 127u) / 127.0;
+    return vec2(root * root * most_frames, float(bits >> 7));
+}
+#endif
