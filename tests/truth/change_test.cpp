@@ -7,15 +7,10 @@
 #include <stdexcept>
 #include <utility>
 
-#include "scene/builtin/scenes.h"
-#include "scene/shapes.h"
-#include "truth/truth.h"
+#include "truth/switched_room.h"
 
 namespace parhelion::testing {
 namespace {
-
-// The one light of a room that is dark without it.
-enum class Lit { Sun, Lamp, Mesh };
 
 struct SwitchCase {
     const char* name;
@@ -24,90 +19,6 @@ struct SwitchCase {
 };
 std::ostream& operator<<(std::ostream& out, const SwitchCase& entry) { return out << entry.name; }
 constexpr SwitchCase kSwitches[] = {{"sun", Lit::Sun, true}, {"lamp", Lit::Lamp, true}, {"emissive_mesh", Lit::Mesh, false}};
-
-// Four metres wide, with a window in the wall x = -2 through which only the sun comes; what glows is behind the camera.
-constexpr glm::vec3 kRoomMin(-2.0f, 0.0f, -2.0f), kRoomMax(2.0f, 2.6f, 2.0f);
-
-void add_room(SceneEdit& edit) {
-    const auto plaster = [&](const char* name, glm::vec3 albedo) {
-        Material material = builtin::lambert(name, albedo);
-        material.double_sided = true;  // the sun is kept out from behind as well
-        return edit.add(std::move(material));
-    };
-    const glm::vec3 size = kRoomMax - kRoomMin, x(size.x, 0.0f, 0.0f), y(0.0f, size.y, 0.0f), z(0.0f, 0.0f, size.z);
-    Primitive walls, floor;
-    add_quad(floor, kRoomMin, z, x);
-    add_quad(walls, kRoomMin, x, y);
-    add_quad(walls, kRoomMax, -x, -z);
-    add_quad(walls, kRoomMax, -y, -x);
-    add_quad(walls, kRoomMax, -z, -y);
-    // Around the window: y 0.9 to 2.1, z -0.6 to 0.6.
-    const auto piece = [&](float low, float high, float back, float front) {
-        add_quad(walls, {kRoomMin.x, low, back}, {0.0f, high - low, 0.0f}, {0.0f, 0.0f, front - back});
-    };
-    piece(kRoomMin.y, 0.9f, kRoomMin.z, kRoomMax.z);
-    piece(2.1f, kRoomMax.y, kRoomMin.z, kRoomMax.z);
-    piece(0.9f, 2.1f, kRoomMin.z, -0.6f);
-    piece(0.9f, 2.1f, 0.6f, kRoomMax.z);
-    builtin::add_object(edit, "walls", std::move(walls), plaster("white", glm::vec3(0.7f)));
-    builtin::add_object(edit, "floor", std::move(floor), plaster("wood", {0.5f, 0.35f, 0.2f}));
-    Primitive block;
-    add_box(block, {-0.4f, 0.0f, -1.3f}, {0.3f, 0.8f, -0.7f});
-    builtin::add_object(edit, "block", std::move(block), plaster("red", {0.6f, 0.15f, 0.1f}));
-    builtin::add_object(edit, "ball", make_sphere(0.35f, 16, true), edit.add(builtin::glossy("lacquer", {0.2f, 0.3f, 0.5f}, 0.0f, 0.3f)), {.translation = {1.1f, 0.35f, -0.6f}});
-}
-
-// What lights it, and the edits that take that away and give it back.
-struct Switched {
-    LoadedScene loaded;
-    std::function<SceneEdit(bool on)> set;
-};
-
-Switched make_switched(Lit lit) {
-    SceneEdit edit;
-    add_room(edit);
-    Light light{.name = "light"};
-    if (lit == Lit::Sun) {
-        light.kind = LightKind::Directional;
-        light.intensity = 80000.0f;
-        light.angular_radius = 0.00465f;
-        light.place.node_from_object = builtin::place_looking({-2.0f, 1.5f, 0.0f}, {0.4f, 0.0f, -0.7f});
-    } else {
-        light.intensity = 150.0f;
-        light.place.node_from_object = builtin::place_looking({1.0f, 2.2f, 1.6f}, {0.0f, 0.0f, 0.0f});
-    }
-    Material glow = builtin::lambert("glow", glm::vec3(0.5f), {3000.0f, 2700.0f, 2200.0f});
-    Handle<Light> light_handle;
-    Handle<Material> glow_handle;
-    if (lit == Lit::Mesh) {
-        Primitive panel;
-        add_quad(panel, {-0.5f, 2.55f, 1.2f}, {1.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.6f});
-        glow_handle = edit.add(glow);
-        builtin::add_object(edit, "panel", std::move(panel), glow_handle);
-    } else {
-        light_handle = edit.add(light);
-    }
-    Switched out;
-    const ChangeSet changes = out.loaded.scene.apply(std::move(edit));
-    if (lit == Lit::Mesh) {
-        out.set = [glow, handle = changes.resolve(glow_handle)](bool on) {
-            Material now = glow;
-            if (!on) now.emission = glm::vec3(0.0f);
-            SceneEdit step;
-            step.set_material(handle, now);
-            return step;
-        };
-    } else {
-        out.set = [light, handle = changes.resolve(light_handle)](bool on) {
-            Light now = light;
-            if (!on) now.intensity = 0.0f;
-            SceneEdit step;
-            step.set_light(handle, now);
-            return step;
-        };
-    }
-    return out;
-}
 
 class RealtimeSwitch : public TruthTest, public ::testing::WithParamInterface<SwitchCase> {};
 
@@ -129,7 +40,7 @@ TEST_P(RealtimeSwitch, a_light_that_goes_out_is_forgotten_and_one_that_comes_on_
     if (small_truth() && !param.small) GTEST_SKIP() << "not in the small truth";
     Switched room = make_switched(param.lit);
     const std::function<SceneEdit(bool)> set = room.set;
-    TruthStage on = set_up(std::move(room.loaded), look_at({0.6f, 1.4f, 1.9f}, {-0.1f, 0.7f, -1.0f}, glm::radians(65.0f)));
+    TruthStage on = set_up(std::move(room.loaded), switched_room_camera());
     const uint32_t size = by_size(128u, 16u), runs = by_size(64u, 16u), lit = by_size(64u, 24u), settled = 8;
     Means steady, off8, off24, on8, on24;
     for (uint32_t i = 0; i < runs; ++i) {

@@ -26,12 +26,10 @@ CameraView camera_at(const CameraView& start, float step_m, uint32_t frame) {
     return moved;
 }
 
-void change(TruthStage& on, const Sequence& sequence, uint32_t frame) {
+void change(TruthStage& on, const SequenceScript& script, uint32_t frame) {
     Scene& scene = on.stage->scene;
     ChangeSet changes = scene.begin_frame();
-    for (const ScriptedEdit& scripted : on.scripted_edits)
-        for (const char* name : sequence.scripts)
-            if (scripted.name == name) changes.append(scene.apply(scripted.apply(scene, frame / kFramesPerSecond)));
+    if (script.change) changes.append(script.change(scene, frame));
     on.stage->scene_gpu.sync(scene, changes);
     on.stage->scene_gpu.finish(on.stage->frame);
 }
@@ -79,24 +77,27 @@ void keep_pictures(const std::string& name, const image::ImageF& reference, std:
 
 }  // namespace
 
-void play(TruthStage& on, const TruthScene& scene, const Sequence& sequence, uint32_t size, float pixels, uint32_t samples, std::span<const uint32_t> looks, std::vector<SequenceRun>& runs,
-          const std::function<void(const SequenceFrame&)>& look) {
+CameraView strafing_camera(const TruthStage& on, uint32_t size, float pixels, uint32_t frame) {
     const float distance = glm::length(on.stage->scene.bounds().center() - on.camera.position);
-    const float step_m = pixels * 2.0f * distance * std::tan(0.5f * on.camera.yfov) / static_cast<float>(size);
+    return camera_at(on.camera, pixels * 2.0f * distance * std::tan(0.5f * on.camera.yfov) / static_cast<float>(size), frame);
+}
+
+void play(TruthStage& on, const SequenceScript& script, uint32_t size, std::vector<SequenceRun>& runs, const std::function<void(const SequenceFrame&)>& look) {
     std::vector<std::unique_ptr<Played>> played;
     for (const SequenceRun& run : runs) {
         ViewDesc desc = truth_view(on, size, 1, false);
         desc.aovs = run.aovs;
         played.push_back(std::make_unique<Played>(on, desc, run.options));
     }
-    for (uint32_t frame = 0; frame <= looks.back(); ++frame) {
-        change(on, sequence, frame);
-        const CameraView camera = camera_at(on.camera, step_m, frame);
-        const bool looks_now = std::ranges::find(looks, frame) != looks.end();
+    for (uint32_t frame = 0; frame <= script.looks.back(); ++frame) {
+        change(on, script, frame);
+        const CameraView camera = script.camera ? script.camera(frame) : on.camera;
+        const bool looks_now = std::ranges::find(script.looks, frame) != script.looks.end();
         SequenceFrame shown{.index = frame};
-        const std::string name = fmt::format("{}.{:04}{}", scene.name, frame, pixels == 0.0f ? ".still" : "");
-        if (looks_now && samples != 0) shown.reference = reference_of(on, camera, size, samples, name);
+        const std::string name = fmt::format("{}.{:04}", script.name, frame);
+        if (looks_now && std::ranges::find(script.references, frame) != script.references.end()) shown.reference = reference_of(on, camera, size, script.samples, name);
         for (size_t k = 0; k < runs.size(); ++k) {
+            if (runs[k].cut_at == frame) played[k]->realtime.cut();
             played[k]->record(on, camera);
             if (looks_now) runs[k].picture = played[k]->picture(on);
         }
@@ -106,9 +107,21 @@ void play(TruthStage& on, const TruthScene& scene, const Sequence& sequence, uin
     }
 }
 
-namespace {
+void play(TruthStage& on, const TruthScene& scene, const Sequence& sequence, uint32_t size, float pixels, uint32_t samples, std::span<const uint32_t> looks, std::vector<SequenceRun>& runs,
+          const std::function<void(const SequenceFrame&)>& look) {
+    SequenceScript script{.name = scene.name, .looks = {looks.begin(), looks.end()}, .samples = samples};
+    if (samples != 0) script.references = script.looks;
+    script.change = [&](Scene& changed, uint32_t frame) {
+        ChangeSet changes;
+        for (const ScriptedEdit& scripted : on.scripted_edits)
+            for (const char* name : sequence.scripts)
+                if (scripted.name == name) changes.append(changed.apply(scripted.apply(changed, frame / kFramesPerSecond)));
+        return changes;
+    };
+    script.camera = [&](uint32_t frame) { return strafing_camera(on, size, pixels, frame); };
+    play(on, script, size, runs, look);
+}
 
-// As a display shows it, 0 to 1.
 std::vector<float> displayed(const image::ImageF& picture, float exposure) {
     std::vector<float> out(picture.pixel_count());
     const auto r = picture.plane(0), g = picture.plane(1), b = picture.plane(2);
@@ -130,6 +143,10 @@ std::vector<float> layer(const image::ImageF& picture, std::string_view name) {
     throw Error(ErrorCode::Usage, "a picture lacks a layer", std::string(name), "ask for it");
 }
 
+namespace {
+
+bool same_depth(float before, float now) { return std::abs(before - now) < 0.03f * now || (std::isinf(now) && std::isinf(before)); }
+
 // Where pixels of a frame were in the one before: the four around, and their weights; none where another surface was seen.
 struct Moved {
     size_t taps[4];
@@ -143,7 +160,7 @@ Moved move_back(size_t here, uint32_t width, uint32_t height, std::span<const fl
     const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
     const size_t first = y0 * width + x0;
     Moved moved{{first, first + 1, first + width, first + width + 1}, {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy}, true};
-    for (const size_t tap : moved.taps) moved.visible = moved.visible && (std::abs(depth_before[tap] - depth) < 0.03f * depth || (std::isinf(depth) && std::isinf(depth_before[tap])));
+    for (const size_t tap : moved.taps) moved.visible = moved.visible && same_depth(depth_before[tap], depth);
     return moved;
 }
 
@@ -164,6 +181,30 @@ double flicker(FramePair pictures, FramePair references, FramePair guides, float
         ++count;
     }
     return count == 0 ? 0 : sum / static_cast<double>(count);
+}
+
+std::vector<InSight> in_sight(const std::vector<InSight>& before, FramePair guides) {
+    const std::vector<float> depth_before = layer(guides.before, "depth"), depth = layer(guides.now, "depth"), dx = layer(guides.now, "motion.X"), dy = layer(guides.now, "motion.Y");
+    const auto width = static_cast<float>(guides.now.width), height = static_cast<float>(guides.now.height);
+    std::vector<InSight> out(depth.size());
+    for (size_t here = 0; here < out.size(); ++here) {
+        const float x = static_cast<float>(here % guides.now.width) + dx[here], y = static_cast<float>(here / guides.now.width) + dy[here];
+        if (std::isinf(depth[here])) continue;
+        out[here] = {.frames = 1, .over_edge = !(x >= -0.5f && y >= -0.5f && x < width - 0.5f && y < height - 0.5f)};
+        if (out[here].over_edge) continue;
+        // Where the nearest of the four around shows it; where none does it is new. What lies along an edge is not.
+        float nearest = 2.0f;
+        for (int i = 0; i < 4; ++i) {
+            const float tap_x = std::clamp(std::floor(x) + static_cast<float>(i % 2), 0.0f, width - 1), tap_y = std::clamp(std::floor(y) + static_cast<float>(i / 2), 0.0f, height - 1);
+            const size_t tap = static_cast<size_t>(tap_y) * guides.now.width + static_cast<size_t>(tap_x);
+            const float apart = std::abs(x - tap_x) + std::abs(y - tap_y);
+            if (apart >= nearest || !same_depth(depth_before[tap], depth[here])) continue;
+            nearest = apart;
+            const InSight then = before.empty() ? InSight{.frames = kSeenForLong} : before[tap];
+            out[here] = {.frames = then.frames + 1, .over_edge = then.over_edge};
+        }
+    }
+    return out;
 }
 
 }  // namespace parhelion::testing

@@ -1,6 +1,8 @@
 #pragma once
 // Sequences in which the camera moves while something in the scene moves or is switched, drawn in step by several runs of the realtime renderer, each
 // with its own history, beside the reference of each frame that is looked at.
+#include <optional>
+
 #include "truth/truth.h"
 
 namespace parhelion::testing {
@@ -15,6 +17,7 @@ struct SequenceRun {
     std::string name;
     RealtimeOptions options;
     std::vector<std::string> aovs = {};
+    std::optional<uint32_t> cut_at = {};  // before this frame it forgets what its reconstruction has kept
     image::ImageF picture = {};
 };
 
@@ -30,6 +33,23 @@ struct SequenceFrame {
 void play(TruthStage& on, const TruthScene& scene, const Sequence& sequence, uint32_t size, float pixels, uint32_t samples, std::span<const uint32_t> looks, std::vector<SequenceRun>& runs,
           const std::function<void(const SequenceFrame&)>& look);
 
+// The same, given as functions.
+struct SequenceScript {
+    std::string name;                                                     // of its pictures
+    std::function<ChangeSet(Scene& scene, uint32_t frame)> change = {};   // what happens in the scene before a frame; none: nothing
+    std::function<CameraView(uint32_t frame)> camera = {};                // none: the stage's
+    std::vector<uint32_t> looks, references = {};                         // ascending; those of the looks that have a reference
+    uint32_t samples = 0;                                                 // of each reference
+};
+void play(TruthStage& on, const SequenceScript& script, uint32_t size, std::vector<SequenceRun>& runs, const std::function<void(const SequenceFrame&)>& look);
+// Where the camera of play() above is in a frame.
+CameraView strafing_camera(const TruthStage& on, uint32_t size, float pixels, uint32_t frame);
+
+// As a display shows it: luminance, 0 to 1.
+std::vector<float> displayed(const image::ImageF& picture, float exposure);
+// A layer of a run that asked for it, pixel by pixel.
+std::vector<float> layer(const image::ImageF& picture, std::string_view name);
+
 // Two frames, one after the other.
 struct FramePair {
     const image::ImageF &before, &now;
@@ -37,5 +57,14 @@ struct FramePair {
 // How much a picture changes where it should not: mean difference, as displayed (0 to 1), between frame t and frame t - 1 moved to where its
 // surfaces are now, less the reference's, pixel by pixel, over those that show what was visible then. `guides` have the layers depth and motion.
 double flicker(FramePair pictures, FramePair references, FramePair guides, float exposure);
+
+// For how many frames what a pixel shows has been in sight, this one included; of what was there from the start kSeenForLong and more; of the sky 0.
+struct InSight {
+    uint32_t frames = 0;
+    bool over_edge = false;  // it came in over the picture's edge, not from behind something
+};
+constexpr uint32_t kSeenForLong = 1000;
+// `before`: of the last frame; empty: all of that was there from the start. `guides` as above. Only the camera moves, to a side.
+std::vector<InSight> in_sight(const std::vector<InSight>& before, FramePair guides);
 
 }  // namespace parhelion::testing
