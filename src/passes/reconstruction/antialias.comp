@@ -51,6 +51,12 @@ bool is_fresh(ivec2 at) {
     return state >> 16 != 0u && max(state & 255u, state >> 8 & 255u) <= 4u;
 }
 
+// Frames that the light of its surface is worth: the picture's history must not be behind it for longer.
+float light_frames(ivec2 at) {
+    const uint state = push.state.v[kStateFrames * push.rendered.x * push.rendered.y + rendered_pixel(at)];
+    return state >> 16 == 0u ? push.frames : max(float(max(state & 255u, state >> 8 & 255u)) * 0.25, 2.0);
+}
+
 // 0: stands still, 1: moves by half a pixel of the picture or more.
 float moves(vec2 moved_px) { return min(2.0 * length(moved_px), 1.0); }
 
@@ -125,7 +131,7 @@ struct Past {
 Past recall(Frame f, vec2 before_px, vec2 moved_px, vec2 size, vec2 ratio) {
     const vec2 kept = unpack_worth(texelFetch(history, ivec2(before_px), 0).a, push.frames);
     const float moving = moves(moved_px);
-    Past past = Past(read_history(before_px, size), min(kept.x, push.frames * mix(1.0, kMovingShare, moving)), kept.y);
+    Past past = Past(read_history(before_px, size), min(kept.x, min(push.frames * mix(1.0, kMovingShare, moving), light_frames(f.nearest))), kept.y);
     // The middle of the box is the mean light's: that of roots lies below it wherever colours differ, and would darken what is clipped. What
     // stands still may lie off twice as far: a lamp's edge that few frames see must stay in the mean of them.
     const vec3 middle = to_compared(f.light), off = to_compared(past.color) - middle;
