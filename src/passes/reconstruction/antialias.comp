@@ -37,9 +37,9 @@ layout(push_constant, scalar) uniform Push {
 } push;
 
 const float kMovingShare = 0.25;  // of `frames`, where the picture moves: every frame's resampling blurs a little
-const float kMissesStill = 12.0, kMissesMoving = 3.0;  // frames in a row that may miss a detail before it is gone
+const float kMissesStill = 12.0;          // frames in a row that may miss a detail before it is gone, where it stands still
 const float kAlike = 0.6, kUnlike = 0.9;  // difference of two neighbourhoods' means over their deviations: only details differ; more than those
-const float kSameShare = 0.02;            // of the mean root that a history, and its neighbourhood's mean, may lie off where no colour deviates
+const float kSameShare = 0.004, kSameMeanShare = 0.02;  // of the mean root that a history, and its neighbourhood's mean, may lie off where no colour deviates
 const float kSpatial = 0.05, kSure = 0.3;  // what the frame's pixels around are worth for a pixel without history; with one of so many frames nothing
 
 uint rendered_pixel(ivec2 at) { return uint(at.y) * push.rendered.x + uint(at.x); }
@@ -49,12 +49,6 @@ bool is_rendered(ivec2 at) { return all(greaterThanEqual(at, ivec2(0))) && all(l
 bool is_fresh(ivec2 at) {
     const uint state = push.state.v[kStateFrames * push.rendered.x * push.rendered.y + rendered_pixel(at)];
     return state >> 16 != 0u && max(state & 255u, state >> 8 & 255u) <= 4u;
-}
-
-// Frames that the light of its surface is worth: the picture's history must not be behind it for longer.
-float light_frames(ivec2 at) {
-    const uint state = push.state.v[kStateFrames * push.rendered.x * push.rendered.y + rendered_pixel(at)];
-    return state >> 16 == 0u ? push.frames : max(float(max(state & 255u, state >> 8 & 255u)) * 0.25, 2.0);
 }
 
 // 0: stands still, 1: moves by half a pixel of the picture or more.
@@ -131,7 +125,7 @@ struct Past {
 Past recall(Frame f, vec2 before_px, vec2 moved_px, vec2 size, vec2 ratio) {
     const vec2 kept = unpack_worth(texelFetch(history, ivec2(before_px), 0).a, push.frames);
     const float moving = moves(moved_px);
-    Past past = Past(read_history(before_px, size), min(kept.x, min(push.frames * mix(1.0, kMovingShare, moving), light_frames(f.nearest))), kept.y);
+    Past past = Past(read_history(before_px, size), min(kept.x, push.frames * mix(1.0, kMovingShare, moving)), kept.y);
     // The middle of the box is the mean light's: that of roots lies below it wherever colours differ, and would darken what is clipped. What
     // stands still may lie off twice as far: a lamp's edge that few frames see must stay in the mean of them.
     const vec3 middle = to_compared(f.light), off = to_compared(past.color) - middle;
@@ -139,8 +133,8 @@ Past recall(Frame f, vec2 before_px, vec2 moved_px, vec2 size, vec2 ratio) {
     const float most = max_component(share);
     if (most <= 1.0) return Past(past.color, past.frames, 0.0);
     past.misses = min(past.misses + 1.0, kMostMisses);
-    const bool may_be_detail = past.misses <= mix(kMissesStill, kMissesMoving, moving);
-    const float unlike = may_be_detail ? difference(f.roots, look_back(past.color, before_px, size, ratio), kSameShare) : kUnlike;
+    const bool may_be_detail = past.misses <= kMissesStill * (1.0 - moving);
+    const float unlike = may_be_detail ? difference(f.roots, look_back(past.color, before_px, size, ratio), kSameMeanShare) : kUnlike;
     const float stays = mix(1.0, 1.0 / most, smoothstep(kAlike, kUnlike, unlike));
     if (stays < 1.0) past.color = from_compared(middle + off * stays);
     past.frames *= stays;
