@@ -4,8 +4,7 @@
 // reflection was seen, whichever agrees. Histories are short where the light of the tiles around drifts.
 // Schied et al. 2017 (SVGF) for the means; Zhdan 2021 (ReBLUR) for virtual motion and the fast history; Schied et al. 2018 (A-SVGF) for the
 // idea to shorten histories by what changed, here told by means over tiles.
-// Reads: view, identity, summary, motion, depth, signals (diffuse, specular, distances), the last frame's guide, light and state, and verdicts on
-// change.
+// Reads: view, identity, summary, motion, depth, signals (diffuse, specular, distances), guide, light and state of the last frame, verdicts.
 // Writes: guide, normals (geometric), light, state, tiles.
 #extension GL_GOOGLE_include_directive : require
 #include "lib/hash.glsl"
