@@ -123,7 +123,6 @@ void Realtime::show(Frame& frame, View& view) {
     cut_ = false;
 }
 
-
 std::optional<passes::CacheUpdate> Realtime::begin_update(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const View& view) {
     if (!cache_ || !updates_cells) return {};
     const bool changed = scene_version_ != 0 && scene.version() != scene_version_;  // what moves takes its shadow along

@@ -45,7 +45,7 @@ const float kSpatial = 0.05, kSure = 0.3;  // what the frame's pixels around are
 uint rendered_pixel(ivec2 at) { return uint(at.y) * push.rendered.x + uint(at.x); }
 bool is_rendered(ivec2 at) { return all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(push.rendered))); }
 
-// Its surface was nowhere in the last frame, or its light has surely changed.
+// Its surface was nowhere in the last frame, or its light has changed so fast that no history is worth anything.
 bool is_fresh(ivec2 at) {
     const uint state = push.state.v[kStateFrames * push.rendered.x * push.rendered.y + rendered_pixel(at)];
     return state >> 16 != 0u && max(state & 255u, state >> 8 & 255u) <= 4u;
