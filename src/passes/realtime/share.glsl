@@ -7,7 +7,8 @@ LightReuse second = kNoReuse;
 vec3 cached = vec3(0.0);                // the same, as it leaves the second vertex
 LightSampleRef asked = kNoSampleRef;    // what the shadow ray offers, if it is free,
 vec3 asked_share = vec3(0.0);           // and the share of its light that the second vertex lets others have
-float arrived = 1.0;                    // the throughput's largest part as the path came here
+float arrived = 1.0;                    // the throughput's largest part as the path came here,
+vec3 prefix = vec3(1.0);                // and what it lacks
 
 bool is_second() { return (second.bits & kReuseSecond) != 0u; }
 
@@ -16,6 +17,7 @@ float begin_sharing(ViewData view, uint slot, uint pixel, inout PathState path) 
     if (push.round == 0u) clear_reservoirs(push.reservoirs, view, pixel, push.frame.reservoir_sets);
     else second = push.reuse.v[slot];
     arrived = max_component(path.throughput);
+    prefix = second.prefix;
     const float of_roulette = arrived / max(max_component(second.prefix * path.throughput), 1e-30);
     path.radiance_scale *= of_roulette;
     return of_roulette;
@@ -78,7 +80,7 @@ void keep_second(uint slot) {
 void share_arriving(ViewData view, PathKey key, WavefrontHit met, vec3 came_by, inout VertexResult vertex, inout PathClass path_class) {
     if (push.round == 0u) return;
     const vec3 light = vertex.arriving;
-    vec3 arriving = light * second.prefix;
+    vec3 arriving = light * prefix;
     if (light == vec3(0.0)) return;
     if (path_class.bounce >= 2u && is_second()) {
         const vec3 taken = take_shared(arriving, path_class, second, second.share);
@@ -101,7 +103,7 @@ void share_arriving(ViewData view, PathKey key, WavefrontHit met, vec3 came_by, 
 
 // And of what the cache knows.
 void share_cached(ViewData view, PathKey key, inout PathClass path_class) {
-    from_cache *= second.prefix;
+    from_cache *= prefix;
     if (from_cache == vec3(0.0) || !is_second()) return;
     const bool here = push.round == 1u;
     const vec3 taken = take_shared(from_cache, path_class, second, here ? vec3(1.0) : second.share);
@@ -117,7 +119,7 @@ void share_event(uint slot, inout NextEvent event, inout PathClass path_class) {
             event.value.diffuse = event.value.specular = vec3(0.0);
         }
     } else {
-        vec3 light = second.prefix * total(event.value);
+        vec3 light = prefix * total(event.value);
         if (asked.kind != kSampleNone) weight = luminance(take_shared(light, path_class, second, asked_share));
         event.value = BsdfValue(light, vec3(0.0), vec3(0.0));
     }
