@@ -26,7 +26,8 @@ struct VertexResult {
     NextEvent event;
     bool goes_on;     // the path has a next ray
     float t;          // metres to what the path's ray met
-    vec2 barycentrics;  // of that
+    vec2 barycentrics;  // of that,
+    float facing;     // and the cosine of the ray to its plane
 };
 
 // MIS weight of light reached by the last BSDF sample, which light sampling would have found with light_pdf.
@@ -68,6 +69,7 @@ VertexResult end_in_sky(ViewData view, PathState path, inout FirstHit first) {
     result.goes_on = false;
     result.t = kInfinity;
     result.barycentrics = vec2(0.0);
+    result.facing = 1.0;
     result.arriving = path.throughput * (arriving_environment(path, view.light_sampling) + arriving_suns(path, view.light_sampling));
     if (kLayers) result.arriving *= medium_transmittance(medium_there(path.media), kInfinity);
     if (path.path_class.bounce == 0u && !path.path_class.transmitted) first.emission = result.arriving;
@@ -258,6 +260,7 @@ VertexResult shade_vertex(ViewData view, PathKey key, Hit hit, inout PathState p
     s.integer_offset = (view.flags & kViewIntegerOffset) != 0u;
     result.t = s.t;
     result.barycentrics = s.barycentrics;
+    result.facing = abs(dot(s.n_geometric_ws, path.ray.direction_ws));
     if (kLayers) path.throughput *= medium_transmittance(medium_there(path.media), s.t);
     const uint bounce = path.path_class.bounce;
     result.arriving = path.throughput * arriving_emission(path, s, view.light_sampling);

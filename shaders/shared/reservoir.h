@@ -37,17 +37,18 @@ struct PackedSample {
 // 36 bytes.
 struct PackedReservoir {
     PackedSample point;
-    float weight;  // W; while candidates are offered: the sum of their weights
+    float weight;  // W; while samples are offered: the sum of their weights
     float target;  // luminance of the contribution in the measure of its kind, where and when it was kept
 };
 
-// What a path of the frame keeps of its second vertex, for reservoirs: 44 bytes a slot.
+// What a path of the frame keeps of its second vertex, for reservoirs: 48 bytes a slot.
 struct LightReuse {
     vec3 prefix;       // throughput until the second vertex and its scattering there, without the density of that: LightPath has the rest
     vec3 share;        // of what is behind the second vertex, by that vertex' lobes: what may be shared
     uint direction;    // in which the path left it, as PackedSample has it
     uint instance, number, place;
     uint bits;         // geometry 16, and kReuse...
+    float density;     // with which the path found the point, per area
 };
 SHARED_CONST uint kReuseFirst = 0x10000u;   // the first surface may share its diffuse light,
 SHARED_CONST uint kReuseRough = 0x20000u;   // and what its other lobes scatter
@@ -55,11 +56,6 @@ SHARED_CONST uint kReuseFront = 0x40000u;   // of the second vertex: kSampleFron
 SHARED_CONST uint kReuseGlossy = 0x80000u;  // kSampleGlossy
 SHARED_CONST uint kReuseSecond = 0x100000u; // the second vertex may be a point of reconnection
 
-// What a shadow ray of the frame offers, if it is free: 32 bytes a slot.
-struct LightOffer {
-    PackedSample point;
-    float weight;  // 0: nothing
-};
 
 // How reservoirs are put together.
 struct ReuseFrame {

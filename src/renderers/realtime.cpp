@@ -154,7 +154,7 @@ void Realtime::share_light(Frame& frame, const SceneGpu& scene, gpu::TraceWay wa
                             .film = traced(view),
                             .gbuffer = gbuffer_,
                             .state = *reuse_,
-                            .with_visibility = options_.reuse == RealtimeReuse::Unbiased,
+                            .exact = options_.reuse == RealtimeReuse::Unbiased,
                             .settings = {.frame_index = frame_index_,
                                          .candidates = options_.tiles ? options_.candidates : 0,
                                          .most_confidence = options.confidence,
@@ -205,7 +205,7 @@ void Realtime::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, Vi
     if (reconstruction_) view.set_jitter(reconstruction_->jitter_px(frame_index_));
     begin_slice(frame, scene, way, view, slice);
     if (rendered_) rendered_->prepare(frame, view);
-    if (reuse_) std::swap(gbuffer_.identity, reuse_->identity_before);
+    if (reuse_) passes::keep_gbuffer(*reuse_, gbuffer_);
     std::optional<passes::CacheUpdate> update = begin_update(frame, scene, way, view);
     if (update) update->trace_first();
     if (draws_pixels(view)) passes::raster_identity(frame, scene, film, gbuffer_.identity, raster_, frame_index_);

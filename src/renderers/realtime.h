@@ -26,7 +26,7 @@ struct ReuseOptions {
     uint32_t confidence = 8;   // frames that what the last frame knew counts for at most; 0: no temporal reuse
     uint32_t neighbours = 1;   // pixels around whose samples are taken; 0: no spatial reuse
     float radius = 30.0f;      // pixels that these are off at most
-    bool permutation = true;   // near pixels of the last frame are exchanged
+    bool permutation = false;  // near pixels of the last frame are exchanged: less that stays in place, but edges of shadows darken where samples are not weighed exactly
 };
 
 // What finds the triangles under the pixels.

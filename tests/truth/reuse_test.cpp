@@ -30,8 +30,8 @@ struct Step {
 std::ostream& operator<<(std::ostream& out, const Step& step) { return out << step.name; }
 constexpr Step kSteps[] = {
     {.name = "candidates", .reuse = {.confidence = 0, .neighbours = 0}},
-    {.name = "temporal", .reuse = {.neighbours = 0, .permutation = false}},
-    {.name = "permutation", .reuse = {.neighbours = 0}},
+    {.name = "temporal", .reuse = {.neighbours = 0}},
+    {.name = "permutation", .reuse = {.neighbours = 0, .permutation = true}},
     {.name = "spatial", .reuse = {.confidence = 0, .neighbours = 2}},
     {.name = "split", .reuse = {.sets = ReservoirSets::Split}},
     {.name = "without_tiles", .reuse = {}, .tiles = false},

@@ -27,12 +27,13 @@ float offer_number(uvec2 pixel, uint frame_index, uint seed, uint round, uint wh
     return uint_to_unit_float(pcg4d(uvec4(pixel.x | pixel.y << 16, frame_index, seed ^ kOfferSalt, round << 2 | which)).x);
 }
 
-// `weight`: luminance of what the sample brings, over the density with which it was found.
-void offer(Reservoirs reservoirs, uint at, PackedSample point, float weight, float u) {
+// `weight`: luminance of what the sample brings, over the density with which it was found; `target`: not over it.
+void offer(Reservoirs reservoirs, uint at, PackedSample point, float weight, float target, float u) {
     if (!(weight > 0.0)) return;
     const float sum = reservoirs.v[at].weight + weight;
     reservoirs.v[at].weight = sum;
     if (u * sum >= weight) return;
+    reservoirs.v[at].target = target;
     reservoirs.v[at].point.reference = point.reference;
     reservoirs.v[at].point.number = point.number;
     reservoirs.v[at].point.place = point.place;

@@ -105,7 +105,7 @@ LightPaths make_light_paths(const gpu::DevicePtr& device, uint32_t slots, const 
             .sums = buffer("sums", slots, sizeof(shared::LightSums)),
             .inside = buffer("inside", needs.layers ? slots : 1, sizeof(shared::LightPathInside)),
             .reuse = buffer("reuse", needs.reservoirs ? slots : 1, sizeof(shared::LightReuse)),
-            .offers = buffer("offers", needs.reservoirs ? slots : 1, sizeof(shared::LightOffer))};
+            .offers = buffer("offers", needs.reservoirs ? slots : 1, sizeof(shared::PackedReservoir))};
 }
 
 WavefrontPass LightPass::tracing() const { return {.frame = frame, .scene = scene, .way = way, .film = film, .state = paths.machine, .slots = paths.machine.shape.slots}; }

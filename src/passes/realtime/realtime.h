@@ -14,12 +14,12 @@ struct Signals {
 };
 Signals make_signals(const gpu::DevicePtr& device, uint64_t pixels);
 
-// Paths of a band: 192 bytes a slot, 20 more in scenes of layered materials, 76 more with reservoirs.
+// Paths of a band: 192 bytes a slot, 20 more in scenes of layered materials, 84 more with reservoirs.
 struct LightPaths {
     WavefrontState machine;             // its control, sizes, lists, rays, hits, shadow_rays and shadow_list
     gpu::Buffer paths, pending, sums;   // LightPath, LightPending, LightSums [slots]
     gpu::Buffer inside;                 // LightPathInside[slots]; one without layers
-    gpu::Buffer reuse, offers;          // LightReuse, LightOffer [slots]; one without reservoirs
+    gpu::Buffer reuse, offers;          // LightReuse, PackedReservoir (what shadow rays offer) [slots]; one without reservoirs
 };
 struct LightPathNeeds {
     bool layers = false, reservoirs = false;

@@ -4,14 +4,7 @@
 #include "realtime/offer.glsl"
 #include "scene/receiver.glsl"
 
-const LightReuse kNoReuse = LightReuse(vec3(1.0), vec3(0.0), 0u, 0u, 0u, 0u, 0u);
-
-// What a vertex offers at once, and what with its shadow ray.
-struct Offers {
-    LightSampleRef arriving, cached, event;
-    vec3 cached_radiance;  // of a throughput of 1
-    float cached_factor;
-};
+const LightReuse kNoReuse = LightReuse(vec3(1.0), vec3(0.0), 0u, 0u, 0u, 0u, 0u, 0.0);
 
 // The first surface's share of light that comes from one direction, as the path left it.
 vec3 first_share(LightReuse second, vec3 diffuse_share) {
@@ -25,7 +18,8 @@ vec3 take_shared(inout vec3 light, inout PathClass path_class, LightReuse second
     const vec3 of_first = first_share(second, path_class.diffuse_share), taken = of_first * second_share * light;
     if (taken == vec3(0.0)) return taken;
     const vec3 left = light - taken, diffuse_left = path_class.diffuse_share * (1.0 - second_share) * light;
-    path_class.diffuse_share = clamp(diffuse_left / max(left, vec3(1e-30)), vec3(0.0), vec3(1.0));
+    // Exactly 1 where nothing else is.
+    path_class.diffuse_share = mix(clamp(diffuse_left / max(left, vec3(1e-30)), vec3(0.0), vec3(1.0)), vec3(1.0), equal(path_class.diffuse_share, vec3(1.0)));
     light = max(left, vec3(0.0));
     return taken;
 }
@@ -44,12 +38,13 @@ LightSampleRef sample_at_second(LightReuse second, uint kind, vec3 direction, ve
     return y;
 }
 
-LightSampleRef sample_of_direction(uint kind, uint emitter, vec3 direction) {
+LightSampleRef sample_of_direction(uint kind, uint emitter, vec3 direction, vec3 radiance) {
     LightSampleRef y = kNoSampleRef;
     y.kind = kind;
     y.flags = kSampleSeen;
     y.reference = emitter;
     y.direction = direction;
+    y.radiance = radiance;
     return y;
 }
 

@@ -34,7 +34,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer S
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Light { PackedLight v[]; };
 #ifdef REUSE
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Reuse { LightReuse v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer LightOffers { LightOffer v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer LightOffers { PackedReservoir v[]; };
 #endif
 layout(push_constant, scalar) uniform Push {
     ViewBlock view;
@@ -90,10 +90,12 @@ NextEvent ask_for_light(ViewData view, PathKey key, PathState path, Shading shad
         asked = sample_of_light(pick, u_light);
     }
 #endif
-    NextEvent event = next_event(view, path, shading, sample_light(pick, shading.s.position_ws, u_light), resampled ? 1.0 / float(push.frame.candidates) : 1.0, shadow_key);
+    const LightSample light = sample_light(pick, shading.s.position_ws, u_light);
+    NextEvent event = next_event(view, path, shading, light, resampled ? 1.0 / float(push.frame.candidates) : 1.0, shadow_key);
     if (resampled) event.value = scale(event.value, vec3(kept.scale));
 #ifdef REUSE
-    if (asked.kind != kSampleNone && of_sky) asked = sample_of_direction(kSampleSky, pick.emitter, event.ray.direction_ws);
+    if (asked.kind != kSampleNone && of_sky) asked = sample_of_direction(kSampleSky, pick.emitter, event.ray.direction_ws, light.radiance);
+    if (asked.kind != kSampleNone) asked_density = (of_sky ? light.pdf : pick.probability) / kept.scale;
 #endif
     return event;
 }
@@ -107,7 +109,7 @@ void scatter_at(ViewData view, PathKey key, Shading shading, VertexNumbers u, in
     bool ended = false;
     float density = 0.0;
 #ifdef REUSE
-    note_second(shading);
+    note_second(path, shading);
     const float factor = max_component(path.throughput) / arrived;
     const vec3 diffuse_share = path.path_class.diffuse_share;
     const bool splits = (first && !mirror) || (push.round == 1u && is_second());
@@ -221,6 +223,7 @@ VertexResult shade(uint slot) {
     VertexResult vertex;
 #ifdef REUSE
     const vec3 came_by = path.ray.direction_ws;
+    const float came_with = path.pdf;
     const float of_roulette = begin_sharing(view, slot, pixel, path);
 #endif
     if (met.instance_bits == kHitMiss) vertex = end_in_sky(view, path, first);
@@ -232,7 +235,7 @@ VertexResult shade(uint slot) {
 #endif
     PathClass of_arriving = before, of_cached = before, of_event = before;
 #ifdef REUSE
-    share_arriving(view, key, met, came_by, vertex, of_arriving);
+    share_arriving(view, key, met, came_by, came_with, vertex, of_arriving);
     share_cached(view, key, of_cached);
     if (vertex.event.exists) share_event(slot, vertex.event, of_event);
 #endif

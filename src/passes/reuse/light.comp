@@ -29,7 +29,10 @@ layout(push_constant, scalar) uniform Push {
 void add_seen(ViewData view, uint slot, uint pixel, bool indirect, BsdfValue light) {
     add_light(push.sums, slot, light.diffuse, light.specular);
     PathRadiance by_class = make_path_radiance();
-    add_sampled(by_class, PathClass(indirect ? 1u : 0u, false, light.diffuse / max(total(light), vec3(1e-30))), total(light), light);
+    if (indirect) {
+        by_class.indirect_diffuse = light.diffuse;
+        by_class.indirect_specular = light.specular;
+    } else add_sampled(by_class, PathClass(0u, false, vec3(0.0)), total(light), light);
     film_add_path_classes(push.block, view, pixel, by_class);
 }
 

@@ -35,9 +35,11 @@ vec4 reuse_numbers(ViewData view, uvec2 pixel, ReuseFrame frame, uint step) {
     return vec4(uint_to_unit_float(h.x), uint_to_unit_float(h.y), uint_to_unit_float(h.z), uint_to_unit_float(h.w));
 }
 
+const float kLeastSimilarCosine = 0.9;
+
 // Surfaces that may well be lit alike. The plane test is ReBLUR's (Zhdan 2021, "ReBLUR: A Hierarchical Recurrent Denoiser").
 bool are_similar(vec3 n, vec3 other_n, vec3 p, vec3 other_p, float distance_to_camera) {
-    const float kLeastCosine = 0.9, kMostOff = 0.003;
-    return dot(n, other_n) >= kLeastCosine && abs(dot(n, other_p - p)) <= kMostOff * distance_to_camera;
+    const float kMostOff = 0.003;
+    return dot(n, other_n) >= kLeastSimilarCosine && abs(dot(n, other_p - p)) <= kMostOff * distance_to_camera;
 }
 #endif

@@ -1,6 +1,6 @@
 #include "passes/reuse/reuse.h"
 
-#include <algorithm>
+#include <utility>
 
 #include "shared/scene.h"
 
@@ -23,42 +23,44 @@ struct LightPush {
 
 const char* variant(const ReusePass& pass) { return (pass.scene.features() & shared::kSceneLayers) != 0 ? "+LAYERS" : ""; }
 
-Pass kernel_of(const ReusePass& pass, const char* plain, const char* with_visibility) {
-    return pass.with_visibility ? pass.frame.trace(with_visibility, pass.way, variant(pass)) : pass.frame.compute(plain, variant(pass));
-}
-
 }  // namespace
 
 ReuseState make_reuse_state(const gpu::DevicePtr& device, gpu::Extent extent, uint32_t sets) {
     const uint64_t bytes = uint64_t{sets} * extent.width * extent.height * sizeof(shared::PackedReservoir);
+    const auto image = [&](const char* name, gpu::Format format) { return gpu::Image(device, name, {.format = format, .extent = extent}); };
     return {.reservoirs = gpu::Buffer(device, "reuse/reservoirs", bytes),
             .history = gpu::Buffer(device, "reuse/history", bytes),
-            .identity_before = gpu::Image(device, "reuse/identity_before", {.format = gpu::Format::Rgba32Uint, .extent = extent})};
+            .identity_before = image("reuse/identity_before", gpu::Format::Rgba32Uint),
+            .summary_before = image("reuse/summary_before", gpu::Format::Rgba32Uint),
+            .depth_before = image("reuse/depth_before", gpu::Format::R32Float)};
+}
+
+void keep_gbuffer(ReuseState& state, GBuffer& gbuffer) {
+    std::swap(state.identity_before, gbuffer.identity);
+    std::swap(state.summary_before, gbuffer.summary);
+    std::swap(state.depth_before, gbuffer.depth);
 }
 
 void reuse_before(const ReusePass& pass) {
-    kernel_of(pass, "reuse/temporal", "reuse/temporal_seen")
-        .scene(pass.scene.binding())
-        .read("view", pass.film.view)
-        .read("identity", pass.gbuffer.identity)
-        .read("identity_before", pass.state.identity_before)
-        .read("motion", pass.gbuffer.motion)
-        .read_write("reservoirs", pass.state.reservoirs)
-        .read("history", pass.state.history)
-        .push(TemporalPush{.frame = pass.settings})
-        .over(pass.gbuffer.identity.extent());
+    const ReuseState& state = pass.state;
+    Pass kernel = pass.exact ? pass.frame.trace("reuse/temporal_seen", pass.way, variant(pass)) : pass.frame.compute("reuse/temporal", variant(pass));
+    kernel.scene(pass.scene.binding()).read("view", pass.film.view).read("motion", pass.gbuffer.motion).read_write("reservoirs", state.reservoirs).read("history", state.history);
+    if (pass.exact) kernel.read("identity", pass.gbuffer.identity).read("identity_before", state.identity_before);
+    else
+        kernel.read("summary", pass.gbuffer.summary).read("depth", pass.gbuffer.depth).read("summary_before", state.summary_before).read("depth_before", state.depth_before);
+    kernel.push(TemporalPush{.frame = pass.settings}).over(pass.gbuffer.identity.extent());
 }
 
 void reuse_around(const ReusePass& pass) {
-    kernel_of(pass, "reuse/spatial", "reuse/spatial_seen")
-        .scene(pass.scene.binding())
+    Pass kernel = pass.frame.trace(pass.exact ? "reuse/spatial_seen" : "reuse/spatial", pass.way, variant(pass));
+    kernel.scene(pass.scene.binding())
         .read("view", pass.film.view)
-        .read("identity", pass.gbuffer.identity)
+        .read("summary", pass.gbuffer.summary)
         .read("depth", pass.gbuffer.depth)
         .read("reservoirs", pass.state.reservoirs)
-        .read_write("history", pass.state.history)
-        .push(SpatialPush{.frame = pass.settings})
-        .over(pass.gbuffer.identity.extent());
+        .read_write("history", pass.state.history);
+    if (pass.exact) kernel.read("identity", pass.gbuffer.identity);
+    kernel.push(SpatialPush{.frame = pass.settings}).over(pass.gbuffer.identity.extent());
 }
 
 void light_pixels(const ReusePass& pass, const LightPaths& paths) {

@@ -9,9 +9,11 @@ namespace parhelion::passes {
 struct ReuseState {
     gpu::Buffer reservoirs;  // PackedReservoir[sets * pixels]: this frame's
     gpu::Buffer history;     // the same, after spatial reuse: what lights the pixels, and what the next frame starts from
-    gpu::Image identity_before;  // GBuffer::identity of the last frame
+    gpu::Image identity_before, summary_before, depth_before;  // GBuffer's of the last frame
 };
 ReuseState make_reuse_state(const gpu::DevicePtr& device, gpu::Extent extent, uint32_t sets);
+// A new frame: what the G-buffer holds becomes the last frame's.
+void keep_gbuffer(ReuseState& state, GBuffer& gbuffer);
 
 struct ReusePass {
     Frame& frame;
@@ -20,7 +22,7 @@ struct ReusePass {
     const Film& film;
     const GBuffer& gbuffer;
     const ReuseState& state;
-    bool with_visibility;  // samples are weighed with what hides them: two rays each time
+    bool exact;  // samples are weighed by what they bring, and by two rays each time; else by about that
     shared::ReuseFrame settings;
 };
 
