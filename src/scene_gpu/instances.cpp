@@ -145,10 +145,10 @@ std::vector<MeshOnDevice*> SceneGpu::State::note_drawn(std::span<const uint32_t>
 
 // The geometries of what the row drew a frame ago, if that was a form of the same mesh: its vertices are those of now, elsewhere.
 uint32_t SceneGpu::State::base_before(uint32_t row, const MeshOnDevice& mesh, Handle<Mesh> handle) const {
-    const auto before = meshes.find(row_meshes[row]);
-    if (before == meshes.end()) return mesh.geometry_base;
-    const Handle<Mesh> rest_before = before->second.rest ? before->second.rest : before->first, rest = mesh.rest ? mesh.rest : handle;
-    return rest_before == rest ? before->second.geometry_base : mesh.geometry_base;
+    const auto drawn = meshes.find(row_meshes[row]);
+    if (drawn == meshes.end()) return mesh.geometry_base;
+    const Handle<Mesh> rest_before = drawn->second.rest ? drawn->second.rest : drawn->first, rest = mesh.rest ? mesh.rest : handle;
+    return rest_before == rest ? drawn->second.geometry_base : mesh.geometry_base;
 }
 
 void SceneGpu::State::place_instances() {

@@ -12,6 +12,7 @@
 #include "scene/pose.h"
 #include "scene/shapes.h"
 #include "session/scene_setup.h"
+#include "shared/scene.h"
 #include "support/render_fixture.h"
 
 namespace parhelion::testing {
@@ -96,12 +97,12 @@ public:
     explicit DeviceArrays(Stage& stage) : stage_(stage), buffers_(stage.scene_gpu.binding().buffers) {
         instances = read<shared::Instance>(find("scene/instances").address(), stage.scene_gpu.stats().instance_rows);
         const gpu::Buffer table = find("scene/geometries");
-        geometries = read<shared::Geometry>(table.address(), table.size() / sizeof(shared::Geometry));
+        geometries = read<shared::Geometry>(table.address(), table.bytes() / sizeof(shared::Geometry));
     }
     template <class T>
     std::vector<T> read(uint64_t address, size_t count) {
         for (const gpu::Buffer& buffer : buffers_) {
-            if (address < buffer.address() || address + count * sizeof(T) > buffer.address() + buffer.size()) continue;
+            if (address < buffer.address() || address + count * sizeof(T) > buffer.address() + buffer.bytes()) continue;
             const gpu::Buffer copy = stage_.frame.read_back(buffer);
             stage_.frame.run();
             std::vector<T> out(count);
@@ -124,6 +125,9 @@ private:
     std::vector<gpu::Buffer> buffers_;
 };
 
+// Rows are slots while nothing has gone.
+const Instance& instance_of(const Scene& scene, uint32_t row) { return scene.get(*scene.instances().handle_at(row)); }
+
 double furthest(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b) {
     double most = 0;
     for (size_t i = 0; i < a.size(); ++i) most = std::max(most, double(glm::length(a[i] - b[i])));
@@ -144,7 +148,7 @@ TEST_F(DeviceDeforms, vertices_as_the_host_does_and_keeps_those_of_the_frame_bef
         std::vector<std::vector<glm::vec3>> now;
         for (uint32_t row = 0; row < 2; ++row) {
             const shared::Instance& instance = arrays.instances.at(row);
-            const Mesh& form = stage.scene.get((*std::next(stage.scene.instances().begin(), row)).value.drawn_mesh());
+            const Mesh& form = stage.scene.get(instance_of(stage.scene, row).drawn_mesh());
             ASSERT_TRUE(form.deformation.has_value());
             for (uint32_t g = 0; g < 2; ++g) {
                 const shared::Geometry& geometry = arrays.geometries.at(instance.geometry_base + g);
@@ -217,14 +221,14 @@ TEST_F(DeviceDeforms, motion_leads_to_where_the_surface_was_in_every_way) {
         for (size_t p = 0; p < film.pixel_count(); ++p) {
             const Seen seen = seen_at(film, p);
             if (seen.instance > 1) continue;  // the ground, the sky
-            const auto at = std::next(stage.scene.instances().begin(), seen.instance), was = std::next(before.instances().begin(), seen.instance);
+            const Instance &at = instance_of(stage.scene, seen.instance), &was = instance_of(before, seen.instance);
             Primitive now_storage, before_storage;
-            const Primitive &shape = drawn_shape(stage.scene, stage.scene.get((*at).value.drawn_mesh()), seen.geometry, now_storage),
-                            &shape_before = drawn_shape(before, before.get((*was).value.drawn_mesh()), seen.geometry, before_storage);
+            const Primitive &shape = drawn_shape(stage.scene, stage.scene.get(at.drawn_mesh()), seen.geometry, now_storage),
+                            &shape_before = drawn_shape(before, before.get(was.drawn_mesh()), seen.geometry, before_storage);
             const glm::dvec2 centre(double(p % kSize) + 0.5, double(p / kSize) + 0.5);
             const glm::dvec3 direction = glm::dvec3(camera.forward) + (2 * centre.x / kSize - 1) * half.x * glm::dvec3(camera.right) + (1 - 2 * centre.y / kSize) * half.y * glm::dvec3(camera.up);
             const glm::dvec3 point = glm::dvec3(camera.position) + seen.depth * direction;
-            const glm::dvec3 offset = carried(shape, (*at).value.place.world_from_object, shape_before, (*was).value.place.world_from_object, seen.primitive, point) - glm::dvec3(camera.position);
+            const glm::dvec3 offset = carried(shape, at.place.world_from_object, shape_before, was.place.world_from_object, seen.primitive, point) - glm::dvec3(camera.position);
             const double along = glm::dot(offset, glm::dvec3(camera.forward));
             const glm::dvec2 film_before = (kSize / 2.0) * glm::dvec2(1 + glm::dot(offset, glm::dvec3(camera.right)) / along / half.x, 1 - glm::dot(offset, glm::dvec3(camera.up)) / along / half.y);
             off.push_back(glm::length(seen.motion - (film_before - centre)));
@@ -235,7 +239,7 @@ TEST_F(DeviceDeforms, motion_leads_to_where_the_surface_was_in_every_way) {
         EXPECT_LT(off[off.size() * 95 / 100], 0.25);  // what a reconstruction needs
         EXPECT_LT(off.back(), 2e-3);                  // what floats allow
         EXPECT_GT(moved, 1.0) << "it stands still";
-        if (first) EXPECT_EQ(differing_words(*first, film), 0u);
+        for (size_t layer = 0; first && layer < film.exact.size(); ++layer) EXPECT_EQ(first->exact[layer].words, film.exact[layer].words) << film.exact[layer].channel;
         first = film;
     }
     // A frame in which nothing happens: everything has come to rest.
