@@ -51,6 +51,11 @@ layout(set = 1, binding = 0, scalar) buffer AllStructs {
     LightPathInside light_path_inside[2];
     LightPending light_pending[2];
     LightSums light_sums[2];
+    PackedSample packed_sample[2];
+    PackedReservoir packed_reservoir[2];
+    LightReuse light_reuse[2];
+    LightOffer light_offer[2];
+    ReuseFrame reuse_frame[2];
     CacheHeader cache_header[2];
     CacheFrameData cache_frame_data[2];
     CacheSize cache_size[2];
