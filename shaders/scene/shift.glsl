@@ -34,7 +34,7 @@ LightSample light_of(LightSampleRef y, vec3 x_ws, out float density) {
 
 vec3 point_of(LightSampleRef y, uint moment) {
     const Instance instance = scene_instance(y.reference);
-    const Geometry geometry = scene_geometry(instance.geometry_base + y.geometry);
+    const Geometry geometry = scene_geometry((moment == kBefore ? geometry_base_before(y.reference) : instance.geometry_base) + y.geometry);
     const uvec3 index = IndexArray(geometry.indices).v[y.number];
     PositionArray positions = PositionArray(geometry.positions);
     const vec2 b = unpack_barycentrics(y.place);

@@ -107,7 +107,7 @@ Surface fetch_surface_at(Hit hit, Ray ray, RayCone cone, uint moment) {
     const bool before = moment == kBefore && scene.header.moving != 0u;
     Affine world_from_object = instance.world_from_object;
     if (before) world_from_object = instance.world_from_object_before;
-    const Geometry geometry = scene_geometry(instance.geometry_base + hit.geometry);
+    const Geometry geometry = scene_geometry((before ? instance.geometry_base_before : instance.geometry_base) + hit.geometry);
     Material material = scene_material(geometry.material);
     material.flags &= ~ABSENT_MATERIAL_FLAGS;
     s.material = geometry.material;

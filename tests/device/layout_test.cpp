@@ -12,7 +12,7 @@ namespace {
 
 class Layout : public GpuTest {};
 
-constexpr const char* kHeaders[] = {"bvh.h", "cache.h", "hit.h", "raster.h", "realtime.h", "reference.h", "reservoir.h", "sampler.h", "scene.h", "view.h", "wavefront.h"};
+constexpr const char* kHeaders[] = {"bvh.h", "cache.h", "chunks.h", "deform.h", "hit.h", "raster.h", "realtime.h", "reference.h", "reservoir.h", "sampler.h", "scene.h", "view.h", "wavefront.h"};
 
 // struct name -> text between its braces, of all shared headers.
 std::map<std::string, std::string> shared_structs() {

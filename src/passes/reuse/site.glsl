@@ -47,7 +47,7 @@ float about_scattered(Site site, vec3 wi_ws, bool glossy) {
 // A point's place and the normal of its triangle, twice its area long.
 void find_point(LightSampleRef y, uint moment, out vec3 position_ws, out vec3 normal) {
     const Instance instance = scene_instance(y.reference);
-    const Geometry geometry = scene_geometry(instance.geometry_base + y.geometry);
+    const Geometry geometry = scene_geometry((moment == kBefore ? geometry_base_before(y.reference) : instance.geometry_base) + y.geometry);
     const uvec3 index = IndexArray(geometry.indices).v[y.number];
     PositionArray positions = PositionArray(geometry.positions);
     Affine placement = instance.world_from_object;

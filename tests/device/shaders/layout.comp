@@ -60,6 +60,10 @@ layout(set = 1, binding = 0, scalar) buffer AllStructs {
     CacheSize cache_size[2];
     CacheUpdate cache_update[2];
     CachePath cache_path[2];
+    WorkChunk work_chunk[2];
+    JointInfluence joint_influence[2];
+    ActiveTarget active_target[2];
+    DeformJob deform_job[2];
 } all_structs;
 
 // Copying struct by struct: the block has its own layout, a local variable none.
@@ -117,5 +121,9 @@ void main() {
         all_structs.cache_size[i] = value.cache_size[i];
         all_structs.cache_update[i] = value.cache_update[i];
         all_structs.cache_path[i] = value.cache_path[i];
+        all_structs.work_chunk[i] = value.work_chunk[i];
+        all_structs.joint_influence[i] = value.joint_influence[i];
+        all_structs.active_target[i] = value.active_target[i];
+        all_structs.deform_job[i] = value.deform_job[i];
     }
 }

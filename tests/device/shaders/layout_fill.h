@@ -3,6 +3,8 @@
 #define PARHELION_TEST_LAYOUT_FILL_H
 #include "shared/bvh.h"
 #include "shared/cache.h"
+#include "shared/chunks.h"
+#include "shared/deform.h"
 #include "shared/functions.h"
 #include "shared/hit.h"
 #include "shared/raster.h"
@@ -70,6 +72,10 @@ struct LayoutStructs {
     CacheSize cache_size[2];
     CacheUpdate cache_update[2];
     CachePath cache_path[2];
+    WorkChunk work_chunk[2];
+    JointInfluence joint_influence[2];
+    ActiveTarget active_target[2];
+    DeformJob deform_job[2];
 };
 
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(uint) v) { v = n++; }
@@ -85,7 +91,7 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(uvec4) v) { for (int i = 
 
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Affine) v) { F(row0) F(row1) F(row2) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Instance) v) {
-    F(world_from_object) F(object_from_world) F(world_from_object_before) F(geometry_base) F(geometry_count) F(emitter_base) F(flags) F(mask)
+    F(world_from_object) F(object_from_world) F(world_from_object_before) F(geometry_base) F(geometry_base_before) F(geometry_count) F(emitter_base) F(flags) F(mask)
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Geometry) v) {
     F(positions) F(indices) F(attributes) F(triangle_count) F(vertex_count) F(material) F(flags) F(triangle_table)
@@ -166,6 +172,12 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(CacheFrameData) v) {
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(CacheSize) v) { F(x) F(y) F(z) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(CacheUpdate) v) { F(found) F(link) F(share) F(sum) F(otherwise) F(target) F(value) F(bits) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(CachePath) v) { F(throughput) F(pdf) F(media) F(travelled) F(radiance_scale) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WorkChunk) v) { F(job) F(first) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(JointInfluence) v) { F(joint) F(weight) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(ActiveTarget) v) { F(positions) F(normals) F(tangents) F(weight) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(DeformJob) v) {
+    F(rest_positions) F(rest_attributes) F(positions) F(attributes) F(influences) F(vertex_count) F(influence_count) F(joint) F(target) F(target_count)
+}
 
 // Entry i of every array.
 SHARED_FN void fill_entry(SHARED_INOUT(uint) n, SHARED_INOUT(LayoutStructs) v, uint i) {
@@ -173,7 +185,7 @@ SHARED_FN void fill_entry(SHARED_INOUT(uint) n, SHARED_INOUT(LayoutStructs) v, u
     F(alias_entry[i]) F(environment[i]) F(hit[i]) F(camera[i]) F(camera_motion[i]) F(view_data[i]) F(slice[i]) F(dumped_ray[i]) F(drawn_geometry[i]) F(raster_counts[i]) F(bvh_node[i]) F(bvh_node_binary[i]) F(bvh_node_compact[i]) F(bvh_triangle[i]) F(bvh_top_item[i])
     F(traversal_ray[i]) F(traversal_hit[i])
     F(wavefront_ray[i]) F(wavefront_hit[i]) F(wavefront_path[i]) F(wavefront_extra[i]) F(wavefront_slot[i]) F(wavefront_vertex[i]) F(wavefront_shadow_ray[i]) F(wavefront_split[i]) F(wavefront_class_sums[i]) F(wavefront_size[i]) F(wavefront_first[i]) F(tile_sample[i]) F(packed_light[i]) F(realtime_frame[i]) F(light_path[i]) F(light_path_inside[i]) F(light_pending[i]) F(light_sums[i]) F(packed_sample[i]) F(packed_reservoir[i]) F(light_reuse[i]) F(reuse_frame[i])
-    F(cache_frame_data[i]) F(cache_size[i]) F(cache_update[i]) F(cache_path[i])
+    F(cache_frame_data[i]) F(cache_size[i]) F(cache_update[i]) F(cache_path[i]) F(work_chunk[i]) F(joint_influence[i]) F(active_target[i]) F(deform_job[i])
 }
 #undef F
 
