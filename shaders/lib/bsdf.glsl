@@ -41,7 +41,7 @@ Bsdf make_bsdf(BsdfParameters p, vec3 coat_normal, bool compensate, uint64_t tab
     bsdf.layers = make_layers(bsdf.base, bsdf.glass_weight, p.coat, p.coat_roughness, coat_normal, p.sheen_color, p.sheen_roughness, compensate, tables);
     bsdf.coated.inside = p.inside && transmission > 0.0 && !p.thin;
     bsdf.coated.diffuse = false;
-    if (bsdf.glass_weight > 0.0) bsdf.coated = make_coated_glass(bsdf.glass, bsdf.layers, bsdf.base, bsdf.coated.inside);
+    if (bsdf.glass_weight > 0.0) bsdf.coated = make_coated_glass(bsdf.glass, bsdf.layers, bsdf.coated.inside);
 #endif
     return bsdf;
 }
@@ -67,6 +67,11 @@ BsdfPlace bsdf_place(Bsdf bsdf, vec3 w) {
 #endif
     return place;
 }
+
+#ifdef LAYERS
+// What the layers do not scatter, from either side.
+float layers_leave(Bsdf bsdf, vec3 w) { return bare_layer_place(bsdf.layers, vec3(w.xy, abs(w.z)), bsdf.tables).leaves; }
+#endif
 
 // Probabilities of the lobes: `wide` is everything that is sampled by the cosine; sheen is sampled uniformly, because it is brightest
 // at grazing angles.
@@ -108,6 +113,17 @@ LobeShares lobe_shares(Bsdf bsdf, vec3 wo, BsdfPlace o) {
     return LobeShares(s.wide * by, s.ggx * by, s.coat * by, s.sheen * by, s.glass * by);
 }
 
+// All that a direction of view decides, for whoever asks more than once.
+struct Outgoing {
+    vec3 w;
+    BsdfPlace place;
+    LobeShares shares;
+};
+Outgoing look_from(Bsdf bsdf, vec3 wo) {
+    const BsdfPlace place = bsdf_place(bsdf, wo);
+    return Outgoing(wo, place, lobe_shares(bsdf, wo, place));
+}
+
 // Value and density (per solid angle) of all lobes that are no mirrors.
 struct BsdfTerms {
     BsdfValue value;
@@ -145,8 +161,11 @@ void add_glass(inout BsdfTerms terms, Bsdf bsdf, LobeShares shares, BsdfPlace o,
 }
 #endif
 
-BsdfTerms bsdf_terms(Bsdf bsdf, LobeShares shares, BsdfPlace o, vec3 wo, vec3 wi) {
+BsdfTerms evaluate_bsdf(Bsdf bsdf, Outgoing from, vec3 wi) {
     BsdfTerms terms = BsdfTerms(kNoBsdfValue, 0.0);
+    const vec3 wo = from.w;
+    const BsdfPlace o = from.place;
+    const LobeShares shares = from.shares;
     if (wo.z <= 0.0 || (!kLayers && wi.z <= 0.0)) return terms;
     const BsdfPlace i = bsdf_place(bsdf, wi);
     if (wi.z > 0.0) {
@@ -165,14 +184,6 @@ BsdfTerms bsdf_terms(Bsdf bsdf, LobeShares shares, BsdfPlace o, vec3 wo, vec3 wi
     return terms;
 }
 
-// Both at once, for who needs both.
-BsdfTerms evaluate_bsdf(Bsdf bsdf, vec3 wo, vec3 wi) {
-    const BsdfPlace o = bsdf_place(bsdf, wo);
-    return bsdf_terms(bsdf, lobe_shares(bsdf, wo, o), o, wo, wi);
-}
-BsdfValue eval_bsdf(Bsdf bsdf, vec3 wo, vec3 wi) { return evaluate_bsdf(bsdf, wo, wi).value; }
-float pdf_bsdf_solid_angle(Bsdf bsdf, vec3 wo, vec3 wi) { return evaluate_bsdf(bsdf, wo, wi).pdf; }
-
 // A mirror's direction, with the weight of its lobe over the probability of having drawn it.
 BsdfSample delta_sample(vec3 wi, BsdfValue weight, uint lobe) { return BsdfSample(wi, weight, -1.0, lobe); }
 
@@ -190,7 +201,7 @@ BsdfSample sample_delta_glass(Bsdf bsdf, LobeShares shares, BsdfPlace o, vec3 wo
     if (is_layered(bsdf)) {
         const vec3 mirrored = vec3(-wo.xy, wo.z), across = refract_smooth(bsdf.glass, wo);
         const bool crosses = bsdf.coated.inside && max_component(smooth_shares.refracted) > 0.0;
-        smooth_shares = coated_smooth_glass(bsdf.glass, bsdf.coated, wo, o.layers.leaves, bsdf_place(bsdf, mirrored).layers.leaves, crosses ? bsdf_place(bsdf, across).layers.leaves : 0.0);
+        smooth_shares = coated_smooth_glass(bsdf.glass, bsdf.coated, wo, o.layers.leaves, layers_leave(bsdf, mirrored), crosses ? layers_leave(bsdf, across) : 0.0);
     }
     const GlassSample glass = sample_smooth_glass(bsdf.glass, smooth_shares, wo, u_lobe);
     const vec3 weight = glass.weight * bsdf.glass_weight / shares.glass;
@@ -204,16 +215,17 @@ BsdfSample sample_delta_base(Bsdf bsdf, LobeShares shares, BsdfPlace o, vec3 wo)
     vec3 weight = fresnel_schlick(bsdf.base.glossy.f0, bsdf.base.glossy.f90, wo.z) / shares.ggx;
 #ifdef LAYERS
     // The coat's own normal may see the two directions differently.
-    if (is_layered(bsdf) && !bsdf.coated.inside) weight *= sqrt(o.layers.leaves * bsdf_place(bsdf, wi).layers.leaves);
+    if (is_layered(bsdf) && !bsdf.coated.inside) weight *= sqrt(o.layers.leaves * layers_leave(bsdf, wi));
 #endif
     return delta_sample(wi, BsdfValue(vec3(0.0), weight, vec3(0.0)), kLobeSpecular);
 }
 
 // u_lobe picks the lobe, u the direction.
-BsdfSample sample_bsdf(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u) {
+BsdfSample sample_bsdf(Bsdf bsdf, Outgoing from, float u_lobe, vec2 u) {
+    const vec3 wo = from.w;
     if (wo.z <= 0.0) return kNoBsdfSample;
-    const BsdfPlace o = bsdf_place(bsdf, wo);
-    const LobeShares shares = lobe_shares(bsdf, wo, o);
+    const BsdfPlace o = from.place;
+    const LobeShares shares = from.shares;
     BsdfSample result = kNoBsdfSample;
     if (u_lobe < shares.ggx) {
         if (bsdf.base.delta) return sample_delta_base(bsdf, shares, o, wo);
@@ -247,7 +259,7 @@ BsdfSample sample_bsdf(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u) {
     }
 #endif
     if (result.lobe == kLobeNone) return kNoBsdfSample;
-    const BsdfTerms terms = bsdf_terms(bsdf, shares, o, wo, result.wi);
+    const BsdfTerms terms = evaluate_bsdf(bsdf, from, result.wi);
     if (terms.pdf <= 0.0) return kNoBsdfSample;
     result.pdf = terms.pdf;
     result.weight = scale(terms.value, vec3(1.0 / terms.pdf));
@@ -258,9 +270,11 @@ BsdfSample sample_bsdf(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u) {
 // layers, seen by the wall's own normal, it is what they and the reflection leave.
 vec3 thin_transmittance(BsdfParameters p, float cos_o, bool compensate, uint64_t tables) {
 #ifdef LAYERS
-    const Bsdf bsdf = make_bsdf(p, vec3(0.0, 0.0, 1.0), compensate, tables);
-    if (!has_glass(bsdf)) return vec3(0.0);
-    return bsdf.glass_weight * pane_transmittance(bsdf.glass, cos_o) * (is_layered(bsdf) ? layers_pass(bsdf.layers, bsdf.base, cos_o, tables) : 1.0);
+    const float weight = (1.0 - p.metallic) * p.transmission;
+    if (weight <= 0.0) return vec3(0.0);
+    const Glass glass = make_glass(p.base_color, p.roughness, p.eta, p.specular, p.specular_color, p.thin, false, tables);
+    const Layers layers = make_bare_layers(p.coat, p.coat_roughness, vec3(0.0, 0.0, 1.0), p.sheen_color, p.sheen_roughness, compensate, tables);
+    return weight * pane_transmittance(glass, cos_o) * (has_layers(layers) ? layers_pass(layers, cos_o, tables) : 1.0);
 #else
     return vec3(0.0);
 #endif

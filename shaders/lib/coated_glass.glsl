@@ -85,16 +85,16 @@ float coated_loss(Glass g, CoatedGlass c, float cosine, float passes) {
 }
 
 // By quadrature of N itself, so that it fits N whatever the tables make of it.
-float coated_average(Glass g, CoatedGlass c, Layers l, Glossy base) {
+float coated_average(Glass g, CoatedGlass c, Layers l) {
     float sum = 0.0;
     [[dont_unroll]] for (uint k = 0u; k < 8u; ++k) {
         const vec2 node = turned_node(k, g.thin ? 1.0 : g.eta);
-        sum += node.y * coated_loss(g, c, node.x, c.inside ? 1.0 : layers_pass(l, base, node.x, g.tables));
+        sum += node.y * coated_loss(g, c, node.x, c.inside ? 1.0 : layers_pass(l, node.x, g.tables));
     }
     return sum;
 }
 
-CoatedGlass make_coated_glass(Glass g, Layers l, Glossy base, bool inside) {
+CoatedGlass make_coated_glass(Glass g, Layers l, bool inside) {
     CoatedGlass c;
     c.inside = inside;
     c.diffuse = has_layers(l) && !g.delta && g.eta > 0.0;
@@ -102,9 +102,9 @@ CoatedGlass make_coated_glass(Glass g, Layers l, Glossy base, bool inside) {
     if (!c.diffuse) return c;
     [[dont_unroll]] for (uint k = 0u; k < kTurnedBasis; ++k) {
         const float x = float(k) / float(kTurnedBasis - 1u);
-        c.turned[k] = 1.0 - layers_pass(l, base, max(x * x, 1e-6), g.tables);
+        c.turned[k] = 1.0 - layers_pass(l, max(x * x, 1e-6), g.tables);
     }
-    c.average = coated_average(g, c, l, base);
+    c.average = coated_average(g, c, l);
     return c;
 }
 

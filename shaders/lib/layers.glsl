@@ -44,36 +44,45 @@ vec2 coat_table(Layers l, float cosine, uint64_t tables) {
 }
 Reflectance coat_reflectance(Layers l) { return Reflectance(vec3(kCoatF0), 1.0, vec3(l.coat_again)); }
 
-// w in the shading frame, z > 0; t: glossy_table() of w. What mirrors below give back is in no average (see above).
-LayerPlace layer_place(Layers l, Glossy g, vec3 w, vec2 t, uint64_t tables) {
+// The layers alone, without what they turn back; w in the shading frame, z > 0.
+LayerPlace bare_layer_place(Layers l, vec3 w, uint64_t tables) {
     LayerPlace p;
+    p.residual = vec3(0.0);
     p.cos_coat = max(dot(w, l.coat_normal), 0.0);
     p.coat_loss = 0.0;
     p.coat = 0.0;
     p.sheen = 0.0;
     p.sheen_cap = 1.0;
-    const TableAxis mu = mu_axis(w.z, kLayerMu), below = table_axis(g.roughness, kLayerBelow);
-    const bool over_ggx = has_glossy(g) && !g.delta;
-    vec2 over = vec2(0.0);
     float coat_over_sheen = 0.0;
     if (l.coat > 0.0) {
         const vec2 tc = coat_table(l, p.cos_coat, tables);
         p.coat_loss = tc.x;
         p.coat = l.coat * whole_albedo(coat_reflectance(l), tc).x;
-        const TableAxis roughness = table_axis(l.coat_roughness, kLayerRoughness);
-        if (over_ggx) over += l.coat * read_table(tables, kCoatOverGgxAt, mu, below, roughness, uvec2(kLayerMu, kLayerBelow));
         if (l.sheen > 0.0) coat_over_sheen = l.coat * l.sheen *
-            read_table(tables, kCoatOverSheenAt, mu, table_axis(l.sheen_place, kLayerRoughness), roughness, uvec2(kLayerMu, kLayerRoughness)).x;
+            read_table(tables, kCoatOverSheenAt, mu_axis(w.z, kLayerMu), table_axis(l.sheen_place, kLayerRoughness), table_axis(l.coat_roughness, kLayerRoughness), uvec2(kLayerMu, kLayerRoughness)).x;
     }
     if (l.sheen > 0.0) {
         const vec2 ts = read_table(tables, kSheenAlbedoAt, mu_axis(w.z, kSheenMu), table_axis(l.sheen_place, kSheenRoughness), kSheenMu);
         p.sheen = l.sheen * ts.x;
         p.sheen_cap = ts.y;
-        if (over_ggx) over += l.sheen_share * l.sheen * read_table(tables, kSheenOverGgxAt, mu, below, table_axis(l.sheen_place, kLayerRoughness), uvec2(kLayerMu, kLayerBelow));
     }
     p.sheen_out = (1.0 - p.coat) * max(p.sheen - coat_over_sheen, 0.0);
     p.leaves = max(1.0 - p.coat - p.sheen_out, 0.0);
     p.passes = max(1.0 - p.coat - l.sheen_share * p.sheen, 0.0);
+    return p;
+}
+
+// Over a surface; t: its glossy_table() of w. What mirrors below give back is in no average (see above).
+LayerPlace layer_place(Layers l, Glossy g, vec3 w, vec2 t, uint64_t tables) {
+    LayerPlace p = bare_layer_place(l, w, tables);
+    const bool over_ggx = has_glossy(g) && !g.delta;
+    vec2 over = vec2(0.0);
+    if (over_ggx) {
+        const TableAxis mu = mu_axis(w.z, kLayerMu), below = table_axis(g.roughness, kLayerBelow);
+        const uvec2 count = uvec2(kLayerMu, kLayerBelow);
+        if (l.coat > 0.0) over += l.coat * read_table(tables, kCoatOverGgxAt, mu, below, table_axis(l.coat_roughness, kLayerRoughness), count);
+        if (l.sheen > 0.0) over += l.sheen_share * l.sheen * read_table(tables, kSheenOverGgxAt, mu, below, table_axis(l.sheen_place, kLayerRoughness), count);
+    }
     const vec3 again = again_albedo(g, t), diffuse = diffuse_albedo(g, t), single = over_ggx ? single_albedo(g.glossy, t) : vec3(0.0);
     const vec3 turned_back = g.glossy.f0 * over.x + vec3(g.glossy.f90 * over.y) + again * l.over_again + diffuse * l.over_diffuse;
     p.residual = max((p.leaves - p.passes) * (single + again + diffuse) + p.passes * turned_back, vec3(0.0));
@@ -81,11 +90,10 @@ LayerPlace layer_place(Layers l, Glossy g, vec3 w, vec2 t, uint64_t tables) {
 }
 
 // What the layers do not scatter of light from a cosine to both normals.
-float layers_pass(Layers l, Glossy g, float cosine, uint64_t tables) {
+float layers_pass(Layers l, float cosine, uint64_t tables) {
     Layers flat_layers = l;
     flat_layers.coat_normal = vec3(0.0, 0.0, 1.0);
-    const vec3 w = vec3(sqrt(max(1.0 - cosine * cosine, 0.0)), 0.0, cosine);
-    return layer_place(flat_layers, g, w, glossy_table(g, cosine, tables), tables).leaves;
+    return bare_layer_place(flat_layers, vec3(sqrt(max(1.0 - cosine * cosine, 0.0)), 0.0, cosine), tables).leaves;
 }
 
 // A layer's albedo averaged over the lobes of the surface below that look the same from everywhere: (again, Lambert).
@@ -123,7 +131,10 @@ void set_residual(inout Layers l, Glossy g, float glass, float turned_back_avera
     l.residual = mix(min(leaves, vec3(1.0)) / (kPi * max(average, vec3(1e-6))), vec3(0.0), lessThan(average, vec3(1e-6)));
 }
 
-Layers make_layers(Glossy g, float glass, float coat, float coat_roughness, vec3 coat_normal, vec3 sheen_color, float sheen_roughness, bool compensate, uint64_t tables) {
+vec2 coat_average(Layers l, uint64_t tables) { return l.coat_delta ? vec2(0.0, 1.0 / 21.0) : ggx_albedo_average(tables, l.coat_roughness); }
+
+// The layers alone, whatever lies below.
+Layers make_bare_layers(float coat, float coat_roughness, vec3 coat_normal, vec3 sheen_color, float sheen_roughness, bool compensate, uint64_t tables) {
     Layers l;
     l.coat = coat;
     l.coat_roughness = coat_roughness;
@@ -141,15 +152,20 @@ Layers make_layers(Glossy g, float glass, float coat, float coat_roughness, vec3
     l.over_again = 0.0;
     l.over_diffuse = 0.0;
     l.residual = vec3(0.0);
+    if (coat > 0.0) {
+        l.coat_loss_average = coat_average(l, tables).x;
+        l.coat_again = make_reflectance(vec3(kCoatF0), 1.0, compensate, l.coat_loss_average).again.x;
+        if (l.sheen > 0.0) l.sheen_share -= 0.5 * coat * whole_albedo(coat_reflectance(l), coat_table(l, 0.1, tables)).x;  // as it is near grazing angles
+    }
+    return l;
+}
+
+Layers make_layers(Glossy g, float glass, float coat, float coat_roughness, vec3 coat_normal, vec3 sheen_color, float sheen_roughness, bool compensate, uint64_t tables) {
+    Layers l = make_bare_layers(coat, coat_roughness, coat_normal, sheen_color, sheen_roughness, compensate, tables);
     if (!has_layers(l)) return l;
     float turned_back = 0.0;
     if (coat > 0.0) {
-        const vec2 average = l.coat_delta ? vec2(0.0, 1.0 / 21.0) : ggx_albedo_average(tables, coat_roughness);
-        const Reflectance r = make_reflectance(vec3(kCoatF0), 1.0, compensate, average.x);
-        l.coat_again = r.again.x;
-        l.coat_loss_average = average.x;
-        const float mean = whole_albedo(r, average).x;
-        if (l.sheen > 0.0) l.sheen_share -= 0.5 * coat * whole_albedo(r, coat_table(l, 0.1, tables)).x;  // as it is near grazing angles
+        const float mean = whole_albedo(coat_reflectance(l), coat_average(l, tables)).x;
         const vec2 over = layer_averages(g, kCoatOverLossAt, mean, coat_roughness, tables);
         l.over_again += coat * over.x;
         l.over_diffuse += coat * over.y;

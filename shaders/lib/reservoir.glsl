@@ -55,6 +55,19 @@ LightSampleRef unpack_sample(PackedSample p) {
 }
 uint packed_confidence(PackedSample p) { return p.bits >> 16 & 0xFFu; }
 
+// Word by word into a buffer: whole structs through an address are more than compilers take.
+#define STORE_SAMPLE(to, from) \
+    to.reference = from.reference; \
+    to.number = from.number; \
+    to.place = from.place; \
+    to.bits = from.bits; \
+    to.direction = from.direction; \
+    to.radiance_low = from.radiance_low; \
+    to.radiance_high = from.radiance_high;
+
+// Of a picture of so many pixels, whose second set follows the first one.
+uint reservoir_at(uint pixels, uint set, uint pixel) { return set * pixels + pixel; }
+
 PackedReservoir pack_reservoir(Reservoir r) { return PackedReservoir(pack_sample(r.point, r.confidence), r.weight, r.target); }
 Reservoir unpack_reservoir(PackedReservoir p) { return Reservoir(unpack_sample(p.point), packed_confidence(p.point), p.weight, p.target); }
 

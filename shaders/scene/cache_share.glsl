@@ -19,7 +19,7 @@ vec3 reflected_share(Shading shading, BsdfSample drawn, bool everything) {
     if (is_layered(shading.bsdf) || has_glass(shading.bsdf)) return everything ? total(drawn.weight) : drawn.weight.diffuse;
 #endif
     const Glossy base = shading.bsdf.base;
-    const vec2 place = glossy_table(base, shading.wo.z, shading.bsdf.tables);
+    const vec2 place = shading.outgoing.place.table;
     const vec3 diffuse = diffuse_albedo(base, place);
     return everything ? diffuse + single_albedo(base.glossy, place) + again_albedo(base, place) : diffuse;
 }

@@ -24,6 +24,9 @@ bool is_rough(Surface s) {
 // Of light that a lobe narrower than that cannot be trusted with: what is left.
 BsdfValue shared_value(BsdfValue value, bool rough) { return BsdfValue(value.diffuse, rough ? value.specular : vec3(0.0), vec3(0.0)); }
 
+// Of a light sample that was chosen from so many candidates; 0: from none.
+float bsdf_share(uint candidates) { return candidates == 0u ? 1.0 : 1.0 / float(candidates); }
+
 Receiver make_receiver(ViewData view, PathState path, Surface s, float bsdf_share) {
     s.integer_offset = (view.flags & kViewIntegerOffset) != 0u;
     return Receiver(make_shading(view, path, s, MediumBoundary(path.media, true, s.scattering.ior)), path, is_rough(s), bsdf_share);

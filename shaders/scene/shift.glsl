@@ -32,17 +32,21 @@ LightSample light_of(LightSampleRef y, vec3 x_ws, out float density) {
     return light;
 }
 
-vec3 point_of(LightSampleRef y, uint moment) {
+// A point's place and the normal of its triangle, twice its area long.
+void find_point(LightSampleRef y, uint moment, out vec3 position_ws, out vec3 normal) {
     const Instance instance = scene_instance(y.reference);
     const Geometry geometry = scene_geometry((moment == kBefore ? geometry_base_before(y.reference) : instance.geometry_base) + y.geometry);
     const uvec3 index = IndexArray(geometry.indices).v[y.number];
     PositionArray positions = PositionArray(geometry.positions);
-    const vec2 b = unpack_barycentrics(y.place);
-    const vec3 p = interpolate(vec3(1.0 - b.x - b.y, b), positions.v[index.x], positions.v[index.y], positions.v[index.z]);
-    vec3 ignored;
     Affine placement = instance.world_from_object;
     if (moment == kBefore) placement = placement_before(y.reference);
-    return transform_point_precise(placement, p, vec3(0.0), ignored);
+    vec3 ignored;
+    const vec3 p0 = transform_point_precise(placement, positions.v[index.x], vec3(0.0), ignored);
+    const vec3 p1 = transform_point_precise(placement, positions.v[index.y], vec3(0.0), ignored);
+    const vec3 p2 = transform_point_precise(placement, positions.v[index.z], vec3(0.0), ignored);
+    const vec2 b = unpack_barycentrics(y.place);
+    position_ws = interpolate(vec3(1.0 - b.x - b.y, b), p0, p1, p2);
+    normal = cross(p1 - p0, p2 - p0);
 }
 
 // Radiance that leaves a point towards where the path's ray came from.
@@ -53,7 +57,7 @@ vec3 leaving_point(ViewData view, LightSampleRef y, PathState path, Surface s) {
     const Shading there = make_shading(view, path, s, MediumBoundary(path.media, true, s.scattering.ior));
     const vec3 wi = y.direction * there.frame;
     if (!sides_agree(there, wi, y.direction)) return vec3(0.0);
-    BsdfValue value = shared_value(evaluate_bsdf(there.bsdf, there.wo, wi).value, is_rough(s));
+    BsdfValue value = shared_value(evaluate_bsdf(there.bsdf, there.outgoing, wi).value, is_rough(s));
     if ((y.flags & kSampleGlossy) != 0u) value.diffuse = vec3(0.0);
     return total(value) * y.radiance;
 }
@@ -68,7 +72,16 @@ vec3 arriving_from_point(ViewData view, LightSampleRef y, PathState path, float 
     return radiance;
 }
 
-// The sample at a surface, as the scene stands or stood. Lights shine as they do now.
+// The share of its light that a sample had at that moment. What a path found behind its second vertex counts as it is now.
+float shone(LightSampleRef y, uint moment) {
+    if (moment == kNow) return 1.0;
+    if (was_drawn_as_light(y.kind)) return lit_before(y.reference);
+    if (y.kind == kSampleOutside) return lit_before(scene.header.environment.emitter);
+    if (y.kind != kSampleEmitter) return 1.0;
+    return lit_before(UintArray(scene.header.geometry_emitters).v[scene_instance(y.reference).emitter_base + y.geometry]);
+}
+
+// The sample at a surface, as the scene stands or stood.
 Shifted shift(ViewData view, LightSampleRef y, Receiver to, uint moment, uint alpha_key) {
     Shifted result = kNothingShifted;
     if (y.kind == kSampleNone) return result;
@@ -81,14 +94,16 @@ Shifted shift(ViewData view, LightSampleRef y, Receiver to, uint moment, uint al
         if (light.pdf <= 0.0 || density <= 0.0) return result;
         wi_ws = light.wi;
     } else if (y.kind != kSampleOutside) {
-        const vec3 to_point = point_of(y, moment) - to.shading.s.position_ws;
+        vec3 position_ws, normal;
+        find_point(y, moment, position_ws, normal);
+        const vec3 to_point = position_ws - to.shading.s.position_ws;
         squared_distance = dot(to_point, to_point);
         if (squared_distance <= 0.0) return result;
         wi_ws = to_point * inversesqrt(squared_distance);
     }
     const vec3 wi = wi_ws * to.shading.frame;
     if (!sides_agree(to.shading, wi, wi_ws)) return result;
-    const BsdfTerms terms = evaluate_bsdf(to.shading.bsdf, to.shading.wo, wi);
+    const BsdfTerms terms = evaluate_bsdf(to.shading.bsdf, to.shading.outgoing, wi);
     const BsdfValue value = shared_value(terms.value, to.rough || result.passes);
     if (max_component(total(value)) <= 0.0) return result;
     PathState path = to.path;
@@ -100,7 +115,7 @@ Shifted shift(ViewData view, LightSampleRef y, Receiver to, uint moment, uint al
         result.ray = light_sample_ray(to.shading.s, light, alpha_key);
     } else if (y.kind == kSampleOutside) arriving = arriving_environment(path, view.light_sampling) + arriving_suns(path, view.light_sampling);
     else arriving = arriving_from_point(view, y, path, squared_distance, moment, result.ray);
-    result.value = scale(value, arriving);
+    result.value = scale(value, arriving * shone(y, moment));
     return result;
 }
 #endif

@@ -2,6 +2,7 @@
 // here, so raygen, a compute shader or a closest-hit shader may call it.
 #ifndef PARHELION_SCENE_VERTEX_GLSL
 #define PARHELION_SCENE_VERTEX_GLSL
+#extension GL_EXT_control_flow_attributes : require
 #include "lib/mis.glsl"
 #include "lib/sampler.glsl"
 #include "scene/lights.glsl"
@@ -84,6 +85,7 @@ struct Shading {
     vec3 wo;
     vec3 n_geometric_ws;  // on wo's side
     Bsdf bsdf;
+    Outgoing outgoing;    // wo, as the BSDF is asked from there
     MediumBoundary boundary;  // what lies behind the surface
 };
 
@@ -106,6 +108,7 @@ Shading make_shading(ViewData view, PathState path, Surface s, MediumBoundary bo
     const bool coated = kLayers && s.scattering.coat > 0.0;
     const vec3 coat_normal = coated ? shading_normal(view, side * s.n_coat_ws, shading.n_geometric_ws, wo_ws) * shading.frame : vec3(0.0, 0.0, 1.0);
     shading.bsdf = make_bsdf(shading.s.scattering, coat_normal, (view.flags & kViewEnergyCompensation) != 0u, scene.header.bsdf_tables);
+    shading.outgoing = look_from(shading.bsdf, shading.wo);
     return shading;
 }
 
@@ -140,7 +143,7 @@ NextEvent next_event(ViewData view, PathState path, Shading shading, LightSample
     if (light.pdf <= 0.0) return event;
     const vec3 wi = light.wi * shading.frame;
     if (!sides_agree(shading, wi, light.wi)) return event;
-    const BsdfTerms terms = evaluate_bsdf(shading.bsdf, shading.wo, wi);
+    const BsdfTerms terms = evaluate_bsdf(shading.bsdf, shading.outgoing, wi);
     const BsdfValue value = terms.value;
     if (max_component(total(value)) <= 0.0) return event;
     event.light = light.radiance * (light_sample_weight(view.light_sampling, light, terms.pdf * bsdf_share) / light.pdf);
@@ -172,7 +175,7 @@ RayCone passing_cone(RayCone cone, float t) { return kNoCone; }
 // Continues the path by the BSDF, u = (lobe, direction); false: it ends here. without diffuse: only what other lobes scatter goes on.
 // splits: the path's light is split by the lobes of this surface.
 bool scatter(inout PathState path, Shading shading, vec3 u, bool diffuse, bool splits, uint alpha_key) {
-    BsdfSample next = sample_bsdf(shading.bsdf, shading.wo, u.x, u.yz);
+    BsdfSample next = sample_bsdf(shading.bsdf, shading.outgoing, u.x, u.yz);
     if (!diffuse) next.weight.diffuse = vec3(0.0);
     if (next.lobe == kLobeNone) return false;
     const vec3 wi_ws = shading.frame * next.wi;
@@ -238,7 +241,26 @@ bool pass_pane(ViewData view, inout PathState path, Surface s) {
 struct VertexNumbers {
     vec4 pick, light;
     vec3 scatter;  // lobe, direction
+    float roulette;
 };
+
+VertexNumbers draw_numbers(ViewData view, PathKey key, uint bounce) {
+    PathSampler samples = make_sampler(key.pixel, key.sample_index, key.seed, view.sampler_kind, scene.header.sobol, scene.header.blue_noise);
+    start_bounce(samples, bounce + 1u);
+    VertexNumbers numbers;
+    // A loop, so that what is long is compiled once.
+    [[dont_unroll]] for (uint k = 0u; k < 7u; ++k) {
+        const vec2 u = k == 4u || k == 6u ? vec2(next_1d(samples), 0.0) : next_2d(samples);
+        if (k == 0u) numbers.pick.xy = u;
+        else if (k == 1u) numbers.pick.zw = u;
+        else if (k == 2u) numbers.light.xy = u;
+        else if (k == 3u) numbers.light.zw = u;
+        else if (k == 4u) numbers.scatter.x = u.x;
+        else if (k == 5u) numbers.scatter.yz = u;
+        else numbers.roulette = u.x;
+    }
+    return numbers;
+}
 
 // What happens where the path scatters: a light is asked for, and it goes on. A pass that says OWN_SCATTERING does it in its own way.
 #ifdef OWN_SCATTERING
@@ -281,15 +303,8 @@ VertexResult shade_vertex(ViewData view, PathKey key, Hit hit, inout PathState p
     }
     if (bounce >= view.max_bounces) return result;
 
-    PathSampler samples = make_sampler(key.pixel, key.sample_index, key.seed, view.sampler_kind, scene.header.sobol, scene.header.blue_noise);
-    start_bounce(samples, bounce + 1u);
-    VertexNumbers u;
-    u.pick = vec4(next_2d(samples), next_2d(samples));
-    u.light = vec4(next_2d(samples), next_2d(samples));
-    u.scatter.x = next_1d(samples);
-    u.scatter.yz = next_2d(samples);
-    const float u_roulette = next_1d(samples);
-    if (bounce >= view.roulette_start && !survive_roulette(path, u_roulette)) return result;
+    const VertexNumbers u = draw_numbers(view, key, bounce);
+    if (bounce >= view.roulette_start && !survive_roulette(path, u.roulette)) return result;
 
     scatter_at(view, key, make_shading(view, path, s, boundary), u, path, result);
     return result;

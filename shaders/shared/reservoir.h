@@ -67,7 +67,6 @@ struct ReuseFrame {
     float radius_px;        // how far off
     uint permutation;       // 1: near pixels of the last frame are exchanged
     uint reset;             // 1: the last frame has nothing to do with this one
-    float exposure;
 };
 
 SHARED_END

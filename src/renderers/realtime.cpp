@@ -157,8 +157,7 @@ void Realtime::share_light(Frame& frame, const SceneGpu& scene, gpu::TraceWay wa
                                          .neighbours = options.neighbours,
                                          .radius_px = options.radius,
                                          .permutation = options.permutation ? 1u : 0u,
-                                         .reset = is_cut(view) || options.confidence == 0,
-                                         .exposure = options_.exposure}};
+                                         .reset = is_cut(view) || options.confidence == 0}};
     for (reuse.settings.set = 0; reuse.settings.set < reservoir_sets(options_); ++reuse.settings.set) {
         passes::reuse_before(reuse);
         passes::reuse_around(reuse);

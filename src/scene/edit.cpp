@@ -1,35 +1,16 @@
 // Scene::apply: an edit is checked whole before anything is touched, then carried out step by step; world transforms are
 // brought up to date once at the end, however many nodes moved.
-#include "scene/edit.h"
-
 #include <algorithm>
-#include <atomic>
-#include <type_traits>
 #include <unordered_map>
 #include <unordered_set>
 
 #include "scene/deform.h"
+#include "scene/edit_steps.h"
 #include "scene/scene_refs.h"
 
 namespace parhelion {
 
 namespace {
-
-template <class... Ts>
-struct TypeList {};
-using SceneTypes = TypeList<Image, Texture, Material, Mesh, Node, Skin, Animation, Instance, Light, Camera>;
-
-// The position of a type in the list.
-template <class T, class... Ts>
-constexpr size_t position_in(TypeList<Ts...>) {
-    size_t position = 0;
-    bool found = false;
-    ((found = found || std::is_same_v<T, Ts>, position += found ? 0 : 1), ...);
-    return position;
-}
-template <class T>
-constexpr size_t kKind = position_in<T>(SceneTypes{});
-constexpr size_t kKindCount = position_in<void>(SceneTypes{});
 
 template <class F, class... Ts>
 void for_each_type(TypeList<Ts...>, F&& f) {
@@ -55,27 +36,6 @@ void normalize(ChangeSet::Changed<T>& lists) {
 }
 
 }  // namespace
-
-SceneEdit::SceneEdit() {
-    static std::atomic<uint32_t> next = 0;
-    serial_ = next++ & ~Handle<Node>::kPendingBit;
-}
-
-template <class T>
-Handle<T> SceneEdit::push_add(T&& value) {
-    steps_.push_back(Add<T>{std::move(value)});
-    return {added_[kKind<T>]++, serial_ | Handle<T>::kPendingBit};
-}
-template Handle<Image> SceneEdit::push_add(Image&&);
-template Handle<Texture> SceneEdit::push_add(Texture&&);
-template Handle<Material> SceneEdit::push_add(Material&&);
-template Handle<Mesh> SceneEdit::push_add(Mesh&&);
-template Handle<Node> SceneEdit::push_add(Node&&);
-template Handle<Skin> SceneEdit::push_add(Skin&&);
-template Handle<Animation> SceneEdit::push_add(Animation&&);
-template Handle<Instance> SceneEdit::push_add(Instance&&);
-template Handle<Light> SceneEdit::push_add(Light&&);
-template Handle<Camera> SceneEdit::push_add(Camera&&);
 
 // ---- change sets ----
 
@@ -154,13 +114,13 @@ struct Scene::Checker {
     }
 
     template <class T>
-    void operator()(const SceneEdit::Add<T>& step) {
+    void operator()(const edit_step::Add<T>& step) {
         detail::check_value(step.value);
         check_refs(step.value);
         ++added[kKind<T>];
     }
     // What Scene keeps of a mesh is filled in here: a deformation is checked by how far it reaches.
-    void operator()(SceneEdit::Add<Mesh>& step) {
+    void operator()(edit_step::Add<Mesh>& step) {
         Mesh& mesh = step.value;
         detail::check_value(mesh);
         check_refs(mesh);
@@ -206,23 +166,23 @@ struct Scene::Checker {
                     fmt::format("mesh '{}'", escape_name(form.name)), "name the mesh at rest in Mesh::rest, or none");
     }
     template <class T>
-    void operator()(const SceneEdit::Remove<T>& step) {
+    void operator()(const edit_step::Remove<T>& step) {
         require(step.handle, "remove");
         std::get<HandleSetOf<T>>(removed).set.insert(step.handle);
         removes = true;
     }
     template <class T>
-    void operator()(const SceneEdit::Move<T>& step) const {
+    void operator()(const edit_step::Move<T>& step) const {
         require(step.handle, "set_transform");
         detail::check_value(step.local);
     }
-    void operator()(const SceneEdit::Pose& step) {
+    void operator()(const edit_step::Pose& step) {
         require(step.handle, "set_pose");
         if (step.posed) require(step.posed, "set_pose");
         posed[step.handle] = step.posed;
     }
     template <class T>
-    void operator()(const SceneEdit::Replace<T>& step) {
+    void operator()(const edit_step::Replace<T>& step) {
         require(step.handle, "set");
         detail::check_value(step.value);
         if constexpr (std::is_same_v<T, Material>) {
@@ -263,10 +223,10 @@ struct Scene::Checker {
         });
         uint32_t serials[kKindCount] = {};
         for (const SceneEdit::Step& step : edit.steps_)
-            std::visit([&](const auto& s) { check_added(s, serials); }, step);
+            std::visit([&](const auto& s) { check_added(s, serials); }, step.value);
     }
     template <class T>
-    void check_added(const SceneEdit::Add<T>& step, uint32_t (&serials)[kKindCount]) const {
+    void check_added(const edit_step::Add<T>& step, uint32_t (&serials)[kKindCount]) const {
         const Handle<T> handle{serials[kKind<T>]++, edit.serial_ | Handle<T>::kPendingBit};
         check_uses(handle, final_value(handle, step.value));
     }
@@ -322,7 +282,7 @@ struct Scene::Applier {
         std::is_same_v<T, Node> || std::is_same_v<T, Instance> || std::is_same_v<T, Light> || std::is_same_v<T, Camera>;
 
     template <class T>
-    void operator()(SceneEdit::Add<T>& step) {
+    void operator()(edit_step::Add<T>& step) {
         detail::visit_refs(step.value, [&](auto& handle, bool) { handle = changes.resolve(handle); });
         if constexpr (std::is_same_v<T, Node>) {
             step.value.children.clear();
@@ -339,7 +299,7 @@ struct Scene::Applier {
         }
     }
     template <class T>
-    void operator()(SceneEdit::Remove<T>& step) {
+    void operator()(edit_step::Remove<T>& step) {
         const Handle<T> handle = changes.resolve(step.handle);
         if constexpr (kPlaced<T>) {
             const Handle<Node> node = owner(table<T>().get(handle));
@@ -350,7 +310,7 @@ struct Scene::Applier {
         changes.of<T>().removed.push_back(handle);
     }
     template <class T>
-    void operator()(SceneEdit::Move<T>& step) {
+    void operator()(edit_step::Move<T>& step) {
         const Handle<T> handle = changes.resolve(step.handle);
         if constexpr (std::is_same_v<T, Node>) {
             table<Node>().change(handle).local = step.local;
@@ -360,7 +320,7 @@ struct Scene::Applier {
         }
         dirty<T>().push_back(handle);
     }
-    void operator()(SceneEdit::Pose& step) {
+    void operator()(edit_step::Pose& step) {
         const Handle<Instance> handle = changes.resolve(step.handle);
         Instance& instance = table<Instance>().change(handle);
         instance.posed = changes.resolve(step.posed);
@@ -368,7 +328,7 @@ struct Scene::Applier {
         changes.instances.changed.push_back(handle);
     }
     template <class T>
-    void operator()(SceneEdit::Replace<T>& step) {
+    void operator()(edit_step::Replace<T>& step) {
         const Handle<T> handle = changes.resolve(step.handle);
         T& current = table<T>().change(handle);
         if constexpr (kPlaced<T>)
@@ -453,13 +413,13 @@ struct Scene::Applier {
 
 ChangeSet Scene::apply(SceneEdit edit) {
     Checker checker{*this, edit};
-    for (SceneEdit::Step& step : edit.steps_) std::visit(checker, step);
+    for (SceneEdit::Step& step : edit.steps_) std::visit(checker, step.value);
     if (checker.removes) checker.check_removed_unused();
 
     ChangeSet changes;
     changes.serial_ = edit.serial_;
     Applier applier{*this, changes};
-    for (SceneEdit::Step& step : edit.steps_) std::visit(applier, step);
+    for (SceneEdit::Step& step : edit.steps_) std::visit(applier, step.value);
     applier.finish();
     return changes;
 }

@@ -62,6 +62,16 @@ std::vector<uint32_t> translate_rows(std::span<const EmitterKey> before, std::sp
     return rows;
 }
 
+std::vector<float> lit_before(std::span<const double> before, std::span<const double> now, std::span<const uint32_t> rows_now) {
+    std::vector<float> ratios(now.size(), 0.0f);
+    for (uint32_t row = 0; row < before.size(); ++row) {
+        const uint32_t there = rows_now.empty() ? row : rows_now[row];
+        if (there != shared::kNone && now[there] > 0) ratios[there] = static_cast<float>(before[row] / now[there]);
+    }
+    if (std::ranges::all_of(ratios, [](float ratio) { return ratio == 1.0f; })) ratios.clear();
+    return ratios;
+}
+
 void SceneGpu::State::make_environment() {
     if (!environment_table_stale) return;
     const Environment& e = scene->environment();
@@ -87,11 +97,14 @@ void SceneGpu::State::make_environment() {
 void SceneGpu::State::place_emitters() {
     emitters.clear();
     const std::vector<EmitterKey> keys_before = std::move(emitter_keys);
+    const std::vector<double> radiance_before = std::move(emitter_radiance);
     emitter_keys.clear();
+    emitter_radiance.clear();
     std::vector<double> finite, infinite;  // flux in lumen; irradiance in lux
     std::vector<uint32_t> finite_rows, infinite_rows;
     sun_rows.clear();
-    const auto add = [&](const EmitterKey& key, const shared::Emitter& emitter, double weight, bool is_infinite) {
+    const auto add = [&](const EmitterKey& key, const shared::Emitter& emitter, double radiance, double weight, bool is_infinite) {
+        emitter_radiance.push_back(radiance);
         (is_infinite ? infinite : finite).push_back(weight);
         (is_infinite ? infinite_rows : finite_rows).push_back(static_cast<uint32_t>(emitters.size()));
         emitters.push_back(emitter);
@@ -110,7 +123,7 @@ void SceneGpu::State::place_emitters() {
             const double sides = (material.flags & shared::kMaterialDoubleSided) != 0 ? 2.0 : 1.0;
             geometry_emitter_rows[instances[i].emitter_base + g] = static_cast<uint32_t>(emitters.size());
             add({kOfInstance, i, g, instance_handles[i].generation}, {.kind = shared::kEmitterMesh, .instance = i, .geometry = geometry, .triangle_count = geometries[geometry].triangle_count, .triangle_table = geometries[geometry].triangle_table},
-                sides * kPi * strength * world_flux(*scene, mesh, g, table, instance.place.world_from_object), false);
+                strength, sides * kPi * strength * world_flux(*scene, mesh, g, table, instance.place.world_from_object), false);
         }
     }
     for (const auto& [handle, light] : scene->lights()) {
@@ -125,12 +138,12 @@ void SceneGpu::State::place_emitters() {
                             .opening = one_minus_cos(light.kind == LightKind::Directional ? light.angular_radius : 0.0f)};
         if (row.opening > 0.0f) sun_rows.push_back(static_cast<uint32_t>(emitters.size()));
         const double solid_angle = light.kind == LightKind::Spot ? 2 * kPi * (1 - row.cos_outer) : 4 * kPi;
-        add({kOfLight, handle.index, 0, handle.generation}, row, light.kind == LightKind::Directional ? luminance(intensity) : luminance(intensity) * solid_angle, light.kind == LightKind::Directional);
+        add({kOfLight, handle.index, 0, handle.generation}, row, luminance(intensity), light.kind == LightKind::Directional ? luminance(intensity) : luminance(intensity) * solid_angle, light.kind == LightKind::Directional);
     }
     environment.emitter = shared::kNone;
     if (!scene->environment().black() && environment_luminance > 0) {
         environment.emitter = static_cast<uint32_t>(emitters.size());
-        add({kOfEnvironment, 0, 0, 0}, {.kind = shared::kEmitterEnvironment}, kPi * luminance(environment.scale) * environment_luminance, true);
+        add({kOfEnvironment, 0, 0, 0}, {.kind = shared::kEmitterEnvironment}, luminance(environment.scale) * environment_luminance, kPi * luminance(environment.scale) * environment_luminance, true);
     }
 
     // Infinite emitters have no flux to compare by: they get a set share, where both kinds shine.
@@ -147,9 +160,10 @@ void SceneGpu::State::place_emitters() {
     stats.emitters = static_cast<uint32_t>(emitters.size());
     if (!anything_stale) return;  // the previous frame is still the same
     emitters_before = static_cast<uint32_t>(keys_before.size());
-    emitter_translation = {};
-    if (std::vector<uint32_t> rows_now = translate_rows(keys_before, emitter_keys); !rows_now.empty())
-        emitter_translation = make_table("emitter_now_of_before", std::move(rows_now));
+    emitter_translation = emitter_lit_before = {};
+    std::vector<uint32_t> rows_now = translate_rows(keys_before, emitter_keys);
+    if (std::vector<float> ratios = lit_before(radiance_before, emitter_radiance, rows_now); !ratios.empty()) emitter_lit_before = make_table("emitter_lit_before", std::move(ratios));
+    if (!rows_now.empty()) emitter_translation = make_table("emitter_now_of_before", std::move(rows_now));
 }
 
 }  // namespace parhelion

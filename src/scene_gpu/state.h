@@ -142,6 +142,8 @@ struct EmitterKey {
 };
 // Where each of the rows `before` is among `now`, shared::kNone where it is not. Empty: those that were are where they were.
 std::vector<uint32_t> translate_rows(std::span<const EmitterKey> before, std::span<const EmitterKey> now);
+// The radiance before over now's, of each row of now; rows_now as translate_rows() gives it. Empty: all are as they were.
+std::vector<float> lit_before(std::span<const double> before, std::span<const double> now, std::span<const uint32_t> rows_now);
 
 struct TopLevel {
     gpu::AccelStruct tlas;
@@ -199,6 +201,8 @@ struct SceneGpu::State {
     std::vector<EmitterKey> emitter_keys;  // by row
     gpu::Buffer emitter_translation;       // from the previous frame's rows; none: nothing has changed its row
     uint32_t emitters_before = 0;          // rows of the previous frame
+    std::vector<double> emitter_radiance;  // by row, in a unit of each kind's own
+    gpu::Buffer emitter_lit_before;        // SceneHeader's; none: all shine as they did
     std::vector<EmissivePart> emissive_parts;  // whose tables triangle_alias holds, one after the other
     std::unordered_map<uint32_t, uint32_t> triangle_table_of_geometry;  // geometry row -> offset in triangle_alias
     std::unordered_map<uint32_t, std::shared_ptr<const EmissiveTable>> emissive_table_of_geometry;

@@ -90,6 +90,7 @@ void SceneGpu::State::write_header(Frame& frame) {
     header.suns = address(suns);
     header.instance_before_of_now = address(instance_translation);
     header.emitter_now_of_before = address(emitter_translation);
+    header.emitter_lit_before = address(emitter_lit_before);
     header.instance_before_count = instances_before;
     header.emitter_before_count = emitters_before;
     header.moving = 1;
@@ -104,7 +105,7 @@ void SceneGpu::State::write_header(Frame& frame) {
     shown_slots = slots;
     shown_buffers = geometry_buffers();
     for (const gpu::Buffer& buffer : {geometry_table, material_table, texture_table, instance_table, emitter_table, emitter_alias, triangle_alias, geometry_emitters,
-                                      environment_alias, suns, sampler_tables, bsdf_tables, bottom_nodes.buffer(), bottom_triangles.buffer(), instance_translation, emitter_translation})
+                                      environment_alias, suns, sampler_tables, bsdf_tables, bottom_nodes.buffer(), bottom_triangles.buffer(), instance_translation, emitter_translation, emitter_lit_before})
         if (buffer) shown_buffers.push_back(buffer);
     binding.textures.clear();
     for (const auto& [key, image] : images)
@@ -117,7 +118,7 @@ void SceneGpu::State::write_header(Frame& frame) {
 void SceneGpu::State::become_past() {
     before = {};
     shown_header.moving = 0;
-    shown_header.instance_before_of_now = shown_header.emitter_now_of_before = 0;
+    shown_header.instance_before_of_now = shown_header.emitter_now_of_before = shown_header.emitter_lit_before = 0;
     shown_header.instance_before_count = shown_instances;
     shown_header.emitter_before_count = shown_header.emitter_count;
 }

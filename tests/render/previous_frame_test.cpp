@@ -21,6 +21,7 @@ struct Row {
     float emitter_intensity;
     glm::vec3 place, place_before;
     uint32_t emitter_count, emitter_before_count, instance_before_count;
+    float lit_before;
 };
 
 std::vector<Row> read_rows(Stage& stage) {
@@ -206,6 +207,36 @@ TEST_F(PreviousFrame, a_scene_that_waits_for_the_next_stands_still) {
         const std::vector<TestFound> found = trace_rays(stage, way, {here, there});
         EXPECT_TRUE(found[0].visible_before && !found[1].visible_before) << gpu::trace_way_name(way);
     }
+}
+
+TEST_F(PreviousFrame, lights_tell_how_bright_they_were) {
+    SceneEdit edit;
+    edit.add(box(1, 0.0f));
+    const Handle<Light> pending_first = edit.add(light()), pending_second = edit.add(light());
+    const ChangeSet changes = scene.apply(std::move(edit));
+    const Handle<Light> first = changes.resolve(pending_first), second = changes.resolve(pending_second);
+    Stage stage(std::move(scene));
+    const auto frame = [&](SceneEdit next) {
+        stage.step(std::move(next));
+        stage.scene_gpu.finish(stage.frame);
+        const std::vector<Row> rows = read_rows(stage);
+        std::vector<float> ratios;
+        for (uint32_t row = 0; row < rows[0].emitter_count; ++row) ratios.push_back(rows[row].lit_before);
+        return ratios;
+    };
+    frame({});
+    EXPECT_EQ(frame({}), std::vector<float>(3, 1.0f)) << "nothing changes";
+    SceneEdit brighter;
+    Light copy = stage.scene.get(second);
+    copy.intensity *= 4.0f;
+    brighter.set_light(second, copy);
+    brighter.set_material(glow, glowing(2.0f));
+    EXPECT_EQ(frame(std::move(brighter)), (std::vector<float>{0.5f, 1.0f, 0.25f}));
+    EXPECT_EQ(frame({}), std::vector<float>(3, 1.0f)) << "they shine on";
+    SceneEdit other;
+    other.remove(first);
+    other.add(light());
+    EXPECT_EQ(frame(std::move(other)), (std::vector<float>{1.0f, 0.0f, 1.0f})) << "a light in the place of another is new";
 }
 
 TEST_F(PreviousFrame, another_scene_has_no_past) {

@@ -98,7 +98,7 @@ void end_in_cache(inout Progress p, uint index, Surface s, vec3 share, float u) 
 bool meet_surface(inout Progress p, uint index, Surface s, MediumBoundary boundary) {
     const Shading shading = make_shading(push.view.data, p.path, s, boundary);
     const vec4 u_bsdf = numbers(p), u = numbers(p);
-    const BsdfSample drawn = sample_bsdf(shading.bsdf, shading.wo, u_bsdf.x, u_bsdf.yz);
+    const BsdfSample drawn = sample_bsdf(shading.bsdf, shading.outgoing, u_bsdf.x, u_bsdf.yz);
     // From the second surface on all lobes count as diffuse ones, but for glass.
     const bool last = p.scatterings != 0u && may_end_in_cache(shading);
     const vec3 share = p.path.throughput * reflected_share(shading, drawn, last);

@@ -14,7 +14,7 @@ const uint kCandidateSalt = 0x43414E44u;
 float candidate_target(ViewData view, Shading shading, TileView candidate, float bsdf_share) {
     if (max_component(candidate.light) <= 0.0) return 0.0;
     const vec3 wi = candidate.wi * shading.frame;
-    const BsdfTerms terms = evaluate_bsdf(shading.bsdf, shading.wo, wi);
+    const BsdfTerms terms = evaluate_bsdf(shading.bsdf, shading.outgoing, wi);
     float weight = 1.0;
     if (!candidate.is_delta && view.light_sampling == kLightSamplingMis) weight = mis_power_heuristic(candidate.pdf, terms.pdf * bsdf_share);
     return luminance(total(terms.value) * candidate.light) * weight;

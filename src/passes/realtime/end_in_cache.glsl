@@ -29,14 +29,14 @@ bool end_in_cache(Cache cache, ViewData view, PathKey key, PathState path, Shadi
     if (!last && path.travelled + s.t <= sqrt(3.0) * cache_cell_size(cache, at)) return false;
     vec3 irradiance;
     if (!cache_visit(cache, at, cache.v.life, irradiance)) return false;
-    const BsdfSample drawn = sample_bsdf(shading.bsdf, shading.wo, u.scatter.x, u.scatter.yz);
+    const BsdfSample drawn = sample_bsdf(shading.bsdf, shading.outgoing, u.scatter.x, u.scatter.yz);
     light = reflected_share(shading, drawn, last) * irradiance / (kPi * cache.v.exposure);
     return true;
 }
 
 // After that: the path goes on by the other lobes, as often as they are drawn. False: it ends.
 bool keep_glossy(inout PathState path, Shading shading, PathKey key, out float share) {
-    const LobeShares shares = lobe_shares(shading.bsdf, shading.wo, bsdf_place(shading.bsdf, shading.wo));
+    const LobeShares shares = shading.outgoing.shares;
     const uint kGlossySalt = 0x474C4F53u;
     const float u = uint_to_unit_float(hash_combine(alpha_key(key, path.path_class.bounce, kRayPath), kGlossySalt));
     share = 1.0 - shares.wide - shares.sheen;

@@ -10,11 +10,11 @@
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Reservoirs { PackedReservoir v[]; };
 
 // Indirect light has a set of its own where there are two.
-uint reservoir_at(ViewData view, uint pixel, uint kind, uint sets) { return is_indirect(kind) && sets == 2u ? view.width * view.height + pixel : pixel; }
+uint reservoir_of(ViewData view, uint pixel, uint kind, uint sets) { return reservoir_at(view.width * view.height, is_indirect(kind) ? sets - 1u : 0u, pixel); }
 
 void clear_reservoirs(Reservoirs reservoirs, ViewData view, uint pixel, uint sets) {
     for (uint i = 0u; i < sets; ++i) {
-        const uint at = i * view.width * view.height + pixel;
+        const uint at = reservoir_at(view.width * view.height, i, pixel);
         reservoirs.v[at].point.bits = 1u << 16;  // what finds nothing has looked, too
         reservoirs.v[at].weight = 0.0;
         reservoirs.v[at].target = 0.0;
@@ -34,12 +34,6 @@ void offer(Reservoirs reservoirs, uint at, PackedSample point, float weight, flo
     reservoirs.v[at].weight = sum;
     if (u * sum >= weight) return;
     reservoirs.v[at].target = target;
-    reservoirs.v[at].point.reference = point.reference;
-    reservoirs.v[at].point.number = point.number;
-    reservoirs.v[at].point.place = point.place;
-    reservoirs.v[at].point.bits = point.bits;
-    reservoirs.v[at].point.direction = point.direction;
-    reservoirs.v[at].point.radiance_low = point.radiance_low;
-    reservoirs.v[at].point.radiance_high = point.radiance_high;
+    STORE_SAMPLE(reservoirs.v[at].point, point)
 }
 #endif

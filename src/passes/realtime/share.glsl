@@ -4,7 +4,7 @@
 #define PARHELION_REALTIME_SHARE_GLSL
 
 LightReuse second = kNoReuse;
-vec3 cached = vec3(0.0);                // the same, as it leaves the second vertex
+vec3 cached = vec3(0.0);                // what the cache knew, as it leaves the second vertex
 LightSampleRef asked = kNoSampleRef;    // what the shadow ray offers, if it is free,
 float asked_density = 1.0;              // with which it was found,
 vec3 asked_share = vec3(0.0);           // and the share of its light that the second vertex lets others have
@@ -73,7 +73,7 @@ void note_scattering(inout PathState path, Shading shading, float factor, float 
 void offer_now(ViewData view, PathKey key, LightSampleRef y, vec3 brings, float density, uint which) {
     if (!(max_component(brings) > 0.0)) return;
     const uint pixel = key.pixel.y * view.width + key.pixel.x;
-    offer(push.reservoirs, reservoir_at(view, pixel, y.kind, push.frame.reservoir_sets), pack_sample(y, 1u), luminance(brings), luminance(brings) * density, offer_number(key.pixel, key.sample_index, key.seed, push.round, which));
+    offer(push.reservoirs, reservoir_of(view, pixel, y.kind, push.frame.reservoir_sets), pack_sample(y, 1u), luminance(brings), luminance(brings) * density, offer_number(key.pixel, key.sample_index, key.seed, push.round, which));
 }
 
 void keep_second(uint slot) {
@@ -139,12 +139,6 @@ void share_event(uint slot, inout NextEvent event, inout PathClass path_class) {
     push.offers.v[slot].target = weight * asked_density;
     if (!(weight > 0.0)) return;
     const PackedSample point = pack_sample(asked, 1u);
-    push.offers.v[slot].point.reference = point.reference;
-    push.offers.v[slot].point.number = point.number;
-    push.offers.v[slot].point.place = point.place;
-    push.offers.v[slot].point.bits = point.bits;
-    push.offers.v[slot].point.direction = point.direction;
-    push.offers.v[slot].point.radiance_low = point.radiance_low;
-    push.offers.v[slot].point.radiance_high = point.radiance_high;
+    STORE_SAMPLE(push.offers.v[slot].point, point)
 }
 #endif

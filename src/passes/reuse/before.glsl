@@ -32,7 +32,7 @@ bool find_before(ViewData view, uvec2 id, vec2 moved, out ivec2 before) {
 
 // What a pixel of the last frame knew.
 Reservoir recall(ViewData view, ivec2 before) {
-    Reservoir history = unpack_reservoir(push.history.v[reservoir_at(view, push.frame, uvec2(before))]);
+    Reservoir history = unpack_reservoir(push.history.v[reservoir_of(view, push.frame, uvec2(before))]);
     history.confidence = min(history.confidence, push.frame.most_confidence);
     history.point.flags &= ~kSampleSeen;
     translate(history);

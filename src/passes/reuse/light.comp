@@ -44,11 +44,11 @@ bool light_pixel(uint slot) {
     if (push.frame.set == 0u) push.sums.v[slot] = LightSums(vec3(0.0), vec3(0.0));
     const uvec4 which = imageLoad(identity, ivec2(id));
     if (which.x == kHitMiss) return false;
-    const Reservoir own = unpack_reservoir(push.reservoirs.v[push.frame.set * view.width * view.height + pixel]);
+    const Reservoir own = unpack_reservoir(push.reservoirs.v[reservoir_at(view.width * view.height, push.frame.set, pixel)]);
     if (own.point.kind == kSampleNone || own.weight <= 0.0) return false;
     const uint kAfterReuse = 0x20000u;
     const PathKey key = PathKey(id, push.frame.frame_index, view.seed);
-    const Receiver here = receiver_at(view, key, which, push.frame.candidates == 0u ? 1.0 : 1.0 / float(push.frame.candidates), kNow);
+    const Receiver here = receiver_at(view, key, which, bsdf_share(push.frame.candidates), kNow);
     const Shifted brought = shift(view, own.point, here, kNow, alpha_key(key, kAfterReuse + push.frame.set, kRayShadow));
     if (target_of(brought) <= 0.0) return false;
     const BsdfValue light = scale(brought.value, vec3(own.weight));

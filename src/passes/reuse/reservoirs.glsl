@@ -6,22 +6,15 @@
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ViewBlock { ViewData data; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Reservoirs { PackedReservoir v[]; };
 
-uint reservoir_at(ViewData view, ReuseFrame frame, uvec2 pixel) { return frame.set * view.width * view.height + pixel.y * view.width + pixel.x; }
+uint reservoir_of(ViewData view, ReuseFrame frame, uvec2 pixel) { return reservoir_at(view.width * view.height, frame.set, pixel.y * view.width + pixel.x); }
 
 void store_reservoir(Reservoirs reservoirs, uint at, Reservoir r) {
     const PackedReservoir p = pack_reservoir(r);
-    reservoirs.v[at].point.reference = p.point.reference;
-    reservoirs.v[at].point.number = p.point.number;
-    reservoirs.v[at].point.place = p.point.place;
-    reservoirs.v[at].point.bits = p.point.bits;
-    reservoirs.v[at].point.direction = p.point.direction;
-    reservoirs.v[at].point.radiance_low = p.point.radiance_low;
-    reservoirs.v[at].point.radiance_high = p.point.radiance_high;
+    STORE_SAMPLE(reservoirs.v[at].point, p.point)
     reservoirs.v[at].weight = p.weight;
     reservoirs.v[at].target = p.target;
 }
 
-float bsdf_share(ReuseFrame frame) { return frame.candidates == 0u ? 1.0 : 1.0 / float(frame.candidates); }
 PathKey key_of(ViewData view, uvec2 pixel, uint frame_index) { return PathKey(pixel, frame_index, view.seed); }
 
 // Keys of rays and numbers of a pixel's steps of reuse.

@@ -8,11 +8,7 @@ namespace parhelion::passes {
 
 namespace {
 
-struct TemporalPush {
-    uint64_t view, reservoirs, history;
-    shared::ReuseFrame frame;
-};
-struct SpatialPush {
+struct ReusePush {
     uint64_t view, reservoirs, history;
     shared::ReuseFrame frame;
 };
@@ -48,7 +44,7 @@ void reuse_before(const ReusePass& pass) {
     if (pass.exact) kernel.read("identity", pass.gbuffer.identity).read("identity_before", state.identity_before);
     else
         kernel.read("summary", pass.gbuffer.summary).read("depth", pass.gbuffer.depth).read("summary_before", state.summary_before).read("depth_before", state.depth_before);
-    kernel.push(TemporalPush{.frame = pass.settings}).over(pass.gbuffer.identity.extent());
+    kernel.push(ReusePush{.frame = pass.settings}).over(pass.gbuffer.identity.extent());
 }
 
 void reuse_around(const ReusePass& pass) {
@@ -60,7 +56,7 @@ void reuse_around(const ReusePass& pass) {
         .read("reservoirs", pass.state.reservoirs)
         .read_write("history", pass.state.history);
     if (pass.exact) kernel.read("identity", pass.gbuffer.identity);
-    kernel.push(SpatialPush{.frame = pass.settings}).over(pass.gbuffer.identity.extent());
+    kernel.push(ReusePush{.frame = pass.settings}).over(pass.gbuffer.identity.extent());
 }
 
 void light_pixels(const ReusePass& pass, const LightPaths& paths) {

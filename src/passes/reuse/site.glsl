@@ -44,23 +44,6 @@ float about_scattered(Site site, vec3 wi_ws, bool glossy) {
     return diffuse + site.glossy * a2 / (4.0 * kPi * spread * spread);
 }
 
-// A point's place and the normal of its triangle, twice its area long.
-void find_point(LightSampleRef y, uint moment, out vec3 position_ws, out vec3 normal) {
-    const Instance instance = scene_instance(y.reference);
-    const Geometry geometry = scene_geometry((moment == kBefore ? geometry_base_before(y.reference) : instance.geometry_base) + y.geometry);
-    const uvec3 index = IndexArray(geometry.indices).v[y.number];
-    PositionArray positions = PositionArray(geometry.positions);
-    Affine placement = instance.world_from_object;
-    if (moment == kBefore) placement = placement_before(y.reference);
-    vec3 ignored;
-    const vec3 p0 = transform_point_precise(placement, positions.v[index.x], vec3(0.0), ignored);
-    const vec3 p1 = transform_point_precise(placement, positions.v[index.y], vec3(0.0), ignored);
-    const vec3 p2 = transform_point_precise(placement, positions.v[index.z], vec3(0.0), ignored);
-    const vec2 b = unpack_barycentrics(y.place);
-    position_ws = interpolate(vec3(1.0 - b.x - b.y, b), p0, p1, p2);
-    normal = cross(p1 - p0, p2 - p0);
-}
-
 // What a sample brings to a surface, about: luminance in the measure of its kind; and where it is seen from there.
 struct Brought {
     float target;
@@ -76,12 +59,12 @@ Brought about_brought(LightSampleRef y, Site site, uint moment) {
         if (light.pdf <= 0.0) return brought;
         brought.wi_ws = light.wi;
         if (!light.infinite) brought.t = distance(light.target_ws, site.position_ws);
-        brought.target = about_scattered(site, light.wi, true) * luminance(light.radiance) / light.pdf;
+        brought.target = about_scattered(site, light.wi, true) * luminance(light.radiance) * shone(y, moment) / light.pdf;
         return brought;
     }
     const bool glossy = site.alpha >= kRoughEnoughToShare * kRoughEnoughToShare;
     if (is_direction(y.kind)) {
-        brought.target = about_scattered(site, y.direction, glossy || y.kind == kSampleSky) * luminance(y.radiance);
+        brought.target = about_scattered(site, y.direction, glossy || y.kind == kSampleSky) * luminance(y.radiance) * shone(y, moment);
         return brought;
     }
     vec3 position_ws, normal;
@@ -91,7 +74,7 @@ Brought about_brought(LightSampleRef y, Site site, uint moment) {
     brought.t = sqrt(squared);
     brought.wi_ws = to_point / brought.t;
     const vec3 n = normal / max(length(normal), 1e-30);
-    float leaving = luminance(y.radiance);
+    float leaving = luminance(y.radiance) * shone(y, moment);
     if (y.kind == kSampleReconnection) leaving *= max(abs(dot(n, y.direction)), 0.05) / kPi;
     brought.target = about_scattered(site, brought.wi_ws, glossy) * leaving * max(abs(dot(n, brought.wi_ws)), kLeastFacing) / squared;
     return brought;

@@ -36,7 +36,7 @@ void main() {
     if (id.x >= view.width || id.y >= view.height) return;
     const uvec4 seen = imageLoad(summary, ivec2(id));
     if (!sees_surface(seen)) return;
-    const uint at = reservoir_at(view, push.frame, id);
+    const uint at = reservoir_of(view, push.frame, id);
     Reservoir own = unpack_reservoir(push.reservoirs.v[at]), history = kEmptyReservoir;
     const Site here = site_at(view.camera, view.jitter, vec2(view.width, view.height), ivec2(id), seen, imageLoad(depth, ivec2(id)).x);
     Site there;

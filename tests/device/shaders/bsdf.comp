@@ -69,7 +69,8 @@ float pdf_grazing(vec3 wi) { return wi.z > 0.0 ? 1.0 / (4.0 * kPi * sqrt(wi.z)) 
 // The albedo seen from wo by the balance heuristic from two sets of directions, both of low discrepancy: the BSDF's own samples, as
 // many of each lobe, each lobe by its share; and that of pdf_grazing().
 void add_furnace(inout BsdfResult r, Bsdf bsdf, vec3 wo, uint count) {
-    const LobeShares s = lobe_shares(bsdf, wo, bsdf_place(bsdf, wo));
+    const Outgoing from = look_from(bsdf, wo);
+    const LobeShares s = from.shares;
     const float shares[5] = float[](s.ggx, s.wide, s.coat, s.sheen, s.glass);
     float first = 0.0;
     BsdfValue albedo = kNoBsdfValue;
@@ -80,13 +81,13 @@ void add_furnace(inout BsdfResult r, Bsdf bsdf, vec3 wo, uint count) {
             const vec3 u = point(n);
             BsdfSample drawn;
             if (lobe < 5u) {
-                drawn = sample_bsdf(bsdf, wo, first + share * (0.001 + 0.998 * u.z), u.xy);
+                drawn = sample_bsdf(bsdf, from, first + share * (0.001 + 0.998 * u.z), u.xy);
                 if (drawn.lobe == kLobeNone) continue;
                 if (drawn.pdf > 0.0) drawn.weight = scale(drawn.weight, vec3(drawn.pdf / (drawn.pdf + pdf_grazing(drawn.wi))));
             } else {
                 const float z = max(u.x * u.x, 1e-12), across = sqrt(1.0 - z * z), phi = 2.0 * kPi * u.y;
                 drawn.wi = vec3(across * cos(phi), across * sin(phi), z);
-                const BsdfTerms terms = evaluate_bsdf(bsdf, wo, drawn.wi);
+                const BsdfTerms terms = evaluate_bsdf(bsdf, from, drawn.wi);
                 drawn.weight = scale(terms.value, vec3(1.0 / (terms.pdf + pdf_grazing(drawn.wi))));
             }
             sum = BsdfValue(sum.diffuse + drawn.weight.diffuse, sum.specular + drawn.weight.specular, sum.transmission + drawn.weight.transmission);
@@ -125,14 +126,15 @@ void main() {
         push.results.v[index] = r;
         return;
     }
+    const Outgoing from = look_from(bsdf, given.wo);
     if (push.kind == 0u) {
-        const BsdfSample s = sample_bsdf(bsdf, given.wo, given.given.x, given.given.yz);
+        const BsdfSample s = sample_bsdf(bsdf, from, given.given.x, given.given.yz);
         r.wi = s.wi;
         r.weight = total(s.weight);
         r.pdf = s.pdf;
         r.lobe = s.lobe;
     }
-    const BsdfTerms terms = evaluate_bsdf(bsdf, given.wo, r.wi);
+    const BsdfTerms terms = evaluate_bsdf(bsdf, from, r.wi);
     const BsdfValue value = terms.value;
     r.value = total(value);
     r.diffuse = value.diffuse;
@@ -145,6 +147,7 @@ void main() {
         there.inside = 1u - there.inside;
     }
     const float side = r.wi.z < 0.0 ? -1.0 : 1.0;
-    r.value_swapped = total(eval_bsdf(bsdf_of(there), vec3(r.wi.xy, r.wi.z * side), vec3(given.wo.xy, given.wo.z * side)));
+    const Bsdf swapped = bsdf_of(there);
+    r.value_swapped = total(evaluate_bsdf(swapped, look_from(swapped, vec3(r.wi.xy, r.wi.z * side)), vec3(given.wo.xy, given.wo.z * side)).value);
     push.results.v[index] = r;
 }

@@ -115,7 +115,7 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Environment) v) {
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(SceneHeader) v) {
     F(instances) F(geometries) F(materials) F(textures) F(geometry_emitters) F(emitters) F(emitter_table) F(triangle_tables) F(environment_table)
     F(bottom_nodes) F(bottom_triangles) F(top_nodes) F(top_items) F(top_nodes_before) F(top_items_before) F(sobol) F(blue_noise)
-    F(bsdf_tables) F(suns) F(instance_before_of_now) F(emitter_now_of_before) F(instance_before_count) F(emitter_before_count)
+    F(bsdf_tables) F(suns) F(instance_before_of_now) F(emitter_now_of_before) F(emitter_lit_before) F(instance_before_count) F(emitter_before_count)
     F(moving) F(emitter_count) F(sun_count) F(culling) F(features) F(environment)
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Hit) v) { F(instance_bits) F(geometry) F(primitive) F(barycentrics) F(t) }
@@ -165,7 +165,7 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(LightSums) v) { F(diffuse
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(PackedSample) v) { F(reference) F(number) F(place) F(bits) F(direction) F(radiance_low) F(radiance_high) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(PackedReservoir) v) { F(point) F(weight) F(target) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(LightReuse) v) { F(prefix) F(share) F(direction) F(instance) F(number) F(place) F(bits) F(density) }
-SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(ReuseFrame) v) { F(frame_index) F(set) F(candidates) F(most_confidence) F(neighbours) F(radius_px) F(permutation) F(reset) F(exposure) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(ReuseFrame) v) { F(frame_index) F(set) F(candidates) F(most_confidence) F(neighbours) F(radius_px) F(permutation) F(reset) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(CacheFrameData) v) {
     F(frame_index) F(seed) F(exposure) F(exposure_ratio) F(cell_scale) F(cell_pixels) F(jitter) F(life) F(most_samples) F(candidates)
 }

@@ -9,6 +9,7 @@ struct Row {
     float emitter_intensity;
     vec3 place, place_before;
     uint emitter_count, emitter_before_count, instance_before_count;
+    float lit_before;
 };
 layout(set = 1, binding = 0, scalar) writeonly buffer Rows { Row v[]; } rows;
 layout(push_constant) uniform Push { uint count, instance_rows; } push;
@@ -19,7 +20,7 @@ void main() {
     const uint i = gl_GlobalInvocationID.x;
     if (i >= push.count) return;
     Row row = Row(instance_before(i), instance_now(i), emitter_now(i), kNone, kNone, 0.0, vec3(0.0), vec3(0.0), scene.header.emitter_count, scene.header.emitter_before_count,
-                  scene.header.instance_before_count);
+                  scene.header.instance_before_count, lit_before(i));
     if (i < push.instance_rows) {
         row.place = origin_of(scene_instance(i).world_from_object);
         row.place_before = origin_of(placement_before(i));
