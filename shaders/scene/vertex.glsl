@@ -2,12 +2,11 @@
 // here, so raygen, a compute shader or a closest-hit shader may call it.
 #ifndef PARHELION_SCENE_VERTEX_GLSL
 #define PARHELION_SCENE_VERTEX_GLSL
-#extension GL_EXT_control_flow_attributes : require
 #include "lib/mis.glsl"
-#include "lib/sampler.glsl"
 #include "scene/lights.glsl"
 #include "scene/panes.glsl"
 #include "scene/path_state.glsl"
+#include "scene/vertex_numbers.glsl"
 
 const uint kLightSamplingMis = 0u;
 const uint kLightSamplingOnly = 1u;
@@ -235,31 +234,6 @@ bool pass_pane(ViewData view, inout PathState path, Surface s) {
     if (path.path_class.bounce == 0u) path.path_class.transmitted = true;
     pass_surface(path, s);
     return true;
-}
-
-// The numbers of a vertex where the path scatters.
-struct VertexNumbers {
-    vec4 pick, light;
-    vec3 scatter;  // lobe, direction
-    float roulette;
-};
-
-VertexNumbers draw_numbers(ViewData view, PathKey key, uint bounce) {
-    PathSampler samples = make_sampler(key.pixel, key.sample_index, key.seed, view.sampler_kind, scene.header.sobol, scene.header.blue_noise);
-    start_bounce(samples, bounce + 1u);
-    VertexNumbers numbers;
-    // A loop, so that what is long is compiled once.
-    [[dont_unroll]] for (uint k = 0u; k < 7u; ++k) {
-        const vec2 u = k == 4u || k == 6u ? vec2(next_1d(samples), 0.0) : next_2d(samples);
-        if (k == 0u) numbers.pick.xy = u;
-        else if (k == 1u) numbers.pick.zw = u;
-        else if (k == 2u) numbers.light.xy = u;
-        else if (k == 3u) numbers.light.zw = u;
-        else if (k == 4u) numbers.scatter.x = u.x;
-        else if (k == 5u) numbers.scatter.yz = u;
-        else numbers.roulette = u.x;
-    }
-    return numbers;
 }
 
 // What happens where the path scatters: a light is asked for, and it goes on. A pass that says OWN_SCATTERING does it in its own way.

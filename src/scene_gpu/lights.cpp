@@ -162,7 +162,7 @@ void SceneGpu::State::place_emitters() {
     emitters_before = static_cast<uint32_t>(keys_before.size());
     emitter_translation = emitter_lit_before = {};
     std::vector<uint32_t> rows_now = translate_rows(keys_before, emitter_keys);
-    if (std::vector<float> ratios = lit_before(radiance_before, emitter_radiance, rows_now); !ratios.empty()) emitter_lit_before = make_table("emitter_lit_before", std::move(ratios));
+    if (std::vector<float> ratios = lit_before(radiance_before, emitter_radiance, rows_now); !has_no_past && !ratios.empty()) emitter_lit_before = make_table("emitter_lit_before", std::move(ratios));
     if (!rows_now.empty()) emitter_translation = make_table("emitter_now_of_before", std::move(rows_now));
 }
 
