@@ -48,7 +48,8 @@ TEST_F(Reuse, a_lamp_that_is_turned_up_shines_in_the_same_frame) {
     Stage stage(make_scene(std::move(edit)));
     const Shot shot{.view = {.width = 16, .height = 16, .filter = PixelFilter::Point}, .camera = camera_from_above(2.0f, 1.0f)};
     View view = stage.make_view(shot);
-    stage.step({});
+    stage.scene_gpu.finish(stage.frame);
+    stage.step({});  // the scene stood there before, so that what it shows has a past
     stage.scene_gpu.finish(stage.frame);
     Realtime realtime(stage.frame.device(), view, {.reuse = RealtimeReuse::Full});
     const auto draw = [&] {
