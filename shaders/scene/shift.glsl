@@ -72,7 +72,8 @@ vec3 arriving_from_point(ViewData view, LightSampleRef y, PathState path, float 
     return radiance;
 }
 
-// The share of its light that a sample had at that moment. What a path found behind its second vertex counts as it is now.
+// The share of its light that a sample had at that moment. What a path found behind its second vertex counts as it is now, and so do
+// suns that it met.
 float shone(LightSampleRef y, uint moment) {
     if (moment == kNow) return 1.0;
     if (was_drawn_as_light(y.kind)) return lit_before(y.reference);
