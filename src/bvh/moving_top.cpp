@@ -13,7 +13,7 @@
 namespace parhelion::bvh {
 
 namespace {
-constexpr size_t kGrain = 1024;
+constexpr size_t kInstanceGrain = 1024;
 }
 
 bool worn_out(const TopCost& built, const TopCost& now, uint32_t refits) {
@@ -60,7 +60,7 @@ void MovingTop::build() {
 
 // Leaves, parts side by side, then what is above these; sums in that order, so that they do not show the threads.
 void MovingTop::fit() {
-    parallel_for(order_.size(), kGrain, [&](size_t begin, size_t end) {
+    parallel_for(order_.size(), kInstanceGrain, [&](size_t begin, size_t end) {
         for (size_t leaf = begin; leaf < end; ++leaf) items_[leaf] = given_[order_[leaf]], bounds_[leaf] = given_bounds_[order_[leaf]];
     });
     const auto node_count = static_cast<uint32_t>(children_.size());

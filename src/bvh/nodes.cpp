@@ -11,7 +11,7 @@ namespace parhelion::bvh {
 
 namespace {
 
-constexpr size_t kGrain = 1u << 14;
+constexpr size_t kNodeGrain = 1u << 14;
 
 struct LayoutInfo {
     std::string_view name;
@@ -121,7 +121,7 @@ void Nodes::append(const WideTree& tree, uint32_t first_item) {
     PARHELION_CHECK(tree.width == node_width(layout), "a tree of width {} as nodes of layout {}", tree.width, layout_name(layout));
     const size_t first_node = size(), node_words = node_bytes(layout) / sizeof(uint32_t);
     words.resize(words.size() + tree.nodes.size() * node_words);
-    parallel_for(tree.nodes.size(), kGrain, [&](size_t begin, size_t end) {
+    parallel_for(tree.nodes.size(), kNodeGrain, [&](size_t begin, size_t end) {
         for (size_t n = begin; n < end; ++n) {
             uint32_t* to = words.data() + (first_node + n) * node_words;
             encode(to_shared(tree.nodes[n]), layout, to);

@@ -7,14 +7,14 @@ namespace parhelion::bvh {
 
 namespace {
 
-constexpr size_t kGrain = 1u << 15;
+constexpr size_t kRefitGrain = 1u << 15;
 
 // Box and identity of every triangle.
 void read_triangles(std::span<const BottomGeometry> geometries, std::vector<Box>& boxes, std::vector<shared::RefitTriangle>& triangles) {
     size_t first = 0;
     for (uint32_t g = 0; g < geometries.size(); ++g) {
         const BottomGeometry& geometry = geometries[g];
-        parallel_for(geometry.triangles.size(), kGrain, [&](size_t begin, size_t end) {
+        parallel_for(geometry.triangles.size(), kRefitGrain, [&](size_t begin, size_t end) {
             for (size_t t = begin; t < end; ++t) {
                 triangles[first + t] = {.geometry = g, .primitive = static_cast<uint32_t>(t), .rest = 0};
                 for (int corner = 0; corner < 3; ++corner) boxes[first + t].add(geometry.positions[geometry.triangles[t][corner]]);

@@ -10,17 +10,17 @@ namespace {
 // nearly all of them are cut.
 constexpr float kHopefulCut = 0.5f;
 
-struct Bin {
+struct LooseBin {
     Lanes enter_box, leave_box;     // of the references that begin and that end here
     uint32_t enter = 0, leave = 0;  // their numbers
 };
 struct LooseBins {
-    std::array<std::array<Bin, kBins>, 3> bins;
+    std::array<std::array<LooseBin, kBins>, 3> bins;
     void add(const LooseBins& other) {
         for (int axis = 0; axis < 3; ++axis)
             for (uint32_t b = 0; b < kBins; ++b) {
-                Bin& bin = bins[axis][b];
-                const Bin& more = other.bins[axis][b];
+                LooseBin& bin = bins[axis][b];
+                const LooseBin& more = other.bins[axis][b];
                 bin.enter_box.add(more.enter_box), bin.leave_box.add(more.leave_box);
                 bin.enter += more.enter, bin.leave += more.leave;
             }
@@ -115,9 +115,9 @@ SpatialSplit best_spatial_split(std::span<const Reference> references, std::span
     const LooseBins loose = team.sum<LooseBins>(references, [&](LooseBins& s, const Reference& r) {
         const Lanes whole(r);
         for (int axis = 0; axis < 3; ++axis) {
-            Bin& first = s.bins[axis][planes.bin(r.min[axis], axis)];
+            LooseBin& first = s.bins[axis][planes.bin(r.min[axis], axis)];
             ++first.enter, first.enter_box.add(whole);
-            Bin& last = s.bins[axis][planes.bin(r.max[axis], axis)];
+            LooseBin& last = s.bins[axis][planes.bin(r.max[axis], axis)];
             ++last.leave, last.leave_box.add(whole);
         }
     });

@@ -16,23 +16,23 @@ Box box_of(const shared::BvhTriangle& t) {
     return box;
 }
 
-constexpr size_t kGrain = 1u << 15;
+constexpr size_t kChunk = 1u << 15;
 
 // References to the boxes that are not empty; returns their number.
 template <class BoxOf>
 uint32_t make_references(Reference* to, size_t count, BoxOf&& box_of_item) {
-    std::vector<size_t> ends((count + kGrain - 1) / kGrain);
+    std::vector<size_t> ends((count + kChunk - 1) / kChunk);
     parallel_for(ends.size(), 1, [&](size_t first, size_t last) {
         for (size_t chunk = first; chunk < last; ++chunk) {
-            size_t end = chunk * kGrain;
-            for (size_t i = end; i < std::min(count, (chunk + 1) * kGrain); ++i)
+            size_t end = chunk * kChunk;
+            for (size_t i = end; i < std::min(count, (chunk + 1) * kChunk); ++i)
                 if (const Box box = box_of_item(i); !box.empty()) to[end++] = {box.min, static_cast<uint32_t>(i), box.max, 0};
             ends[chunk] = end;
         }
     });
     size_t used = 0;
     for (size_t chunk = 0; chunk < ends.size(); ++chunk) {
-        const size_t begin = chunk * kGrain, size = ends[chunk] - begin;
+        const size_t begin = chunk * kChunk, size = ends[chunk] - begin;
         if (used < begin) std::copy_n(to + begin, size, to + used);
         used += size;
     }

@@ -2,24 +2,20 @@
 
 #include <algorithm>
 
+#include <fmt/ranges.h>
+
 #include "base/error.h"
 
 namespace parhelion {
 
 namespace {
 
-std::string joined(const std::vector<std::string>& names) {
-    std::string out;
-    for (const std::string& name : names) out += (out.empty() ? "" : " ") + name;
-    return out.empty() ? std::string("-") : out;
-}
-
 std::string or_dash(const std::string& text) { return text.empty() ? "-" : text; }
 
 // A row without number and time. What repeats stands behind a bar.
 std::string row(const PassInfo& pass, bool repeats) {
-    return fmt::format("{:<28} {:<10} {:<10} reads: {}; writes: {}", (repeats ? "| " : "") + pass.name, or_dash(pass.variant), or_dash(pass.extent), joined(pass.reads),
-                       joined(pass.writes));
+    return fmt::format("{:<28} {:<10} {:<10} reads: {}; writes: {}", (repeats ? "| " : "") + pass.name, or_dash(pass.variant), or_dash(pass.extent), or_dash(fmt::format("{}", fmt::join(pass.reads, " "))),
+                       or_dash(fmt::format("{}", fmt::join(pass.writes, " "))));
 }
 
 struct Repeat {

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include <fmt/ranges.h>
+
 #include "base/error.h"
 #include "frame/frame.h"
 
@@ -12,11 +14,7 @@ using gpu::Use;
 
 namespace {
 
-std::string joined(const std::vector<std::string>& names) {
-    std::string out;
-    for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
-    return out.empty() ? "nothing" : out;
-}
+std::string or_nothing(const std::vector<std::string>& names) { return names.empty() ? "nothing" : fmt::format("{}", fmt::join(names, ", ")); }
 
 const void* id_of(const std::variant<gpu::Buffer, gpu::Image>& resource) {
     return std::visit([](const auto& r) { return r.id(); }, resource);
@@ -121,7 +119,7 @@ void Pass::resolve(std::vector<Binding>& bindings, std::vector<Access>& accesses
         if (!used[i]) unknown.push_back(bound_[i].name);
     PARHELION_CHECK(missing.empty() && unknown.empty() && access_errors.empty(),
                     "pass {} {}: not bound: {}; bound but not declared in the shader: {}; bound with another access: {}", code.name, code.variant,
-                    joined(missing), joined(unknown), joined(access_errors));
+                    or_nothing(missing), or_nothing(unknown), or_nothing(access_errors));
     PARHELION_CHECK(push_.size() == code.push_bytes, "pass {}: push() is missing", code.name);
     PARHELION_CHECK(program_.uses_scene_set() == (scene_ != nullptr), "pass {} {}: {}", code.name, code.variant,
                     scene_ ? "scene() is given but the shader declares nothing in set 0" : "the shader sees the scene; scene() is missing");

@@ -67,8 +67,6 @@ bool has_layer(PFN_vkGetInstanceProcAddr get) {
     return std::any_of(layers.begin(), layers.end(), [](const VkLayerProperties& l) { return std::strcmp(l.layerName, kValidationLayer) == 0; });
 }
 
-bool contains(const std::vector<std::string>& names, std::string_view name) { return std::find(names.begin(), names.end(), name) != names.end(); }
-
 void check_loader_version(PFN_vkGetInstanceProcAddr get) {
     const auto version_of = instance_function<PFN_vkEnumerateInstanceVersion>(get, nullptr, "vkEnumerateInstanceVersion");
     uint32_t version = VK_API_VERSION_1_0;

@@ -71,6 +71,7 @@ struct DeviceFunctions {
 #undef PARHELION_FUNCTION_MEMBER
 
 std::string_view result_name(VkResult result);
+inline bool contains(const std::vector<std::string>& names, std::string_view name) { return std::find(names.begin(), names.end(), name) != names.end(); }
 // Throws Error for every result but VK_SUCCESS; `call` is the source text of the call, `where` the device's name.
 void check_result(VkResult result, const char* call, std::string_view where);
 #define PARHELION_VK(where, call) ::parhelion::gpu::check_result((call), #call, (where))

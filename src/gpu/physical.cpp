@@ -29,8 +29,6 @@ std::vector<std::string> device_extension_names(const Instance& instance, VkPhys
     return names;
 }
 
-bool contains(const std::vector<std::string>& names, std::string_view name) { return std::find(names.begin(), names.end(), name) != names.end(); }
-
 // The features that every device must have (noted in `missing` otherwise) and those that are switched on where they exist.
 void pick_features(const FeatureChain& has, FeatureChain& enabled, std::vector<std::string>& missing) {
     const auto need = [&](VkBool32 supported, VkBool32& out, const char* name) {

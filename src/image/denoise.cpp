@@ -23,7 +23,7 @@ constexpr int kErrorNone = 0, kErrorOutOfMemory = 4;
 constexpr const char* kWhere = "--denoise oidn";
 constexpr const char* kGet = "install Open Image Denoise 2 (openimagedenoise.org), or set PARHELION_OIDN=/path/to/libOpenImageDenoise.so.2";
 
-using Rgb = std::vector<float>;  // [3 * pixel + channel]
+using Interleaved = std::vector<float>;  // [3 * pixel + channel]
 using Names = std::array<const char*, 3>;
 constexpr Names kColor{"R", "G", "B"}, kAlbedo{"albedo.R", "albedo.G", "albedo.B"}, kNormal{"normal.X", "normal.Y", "normal.Z"};
 
@@ -33,9 +33,9 @@ size_t channel_of(const ImageF& picture, const char* name) {
     return *channel;
 }
 
-Rgb interleave(const ImageF& picture, const Names& names) {
+Interleaved interleave(const ImageF& picture, const Names& names) {
     const size_t pixels = picture.pixel_count();
-    Rgb out(3 * pixels);
+    Interleaved out(3 * pixels);
     for (size_t c = 0; c < 3; ++c) {
         const auto plane = picture.plane(channel_of(picture, names[c]));
         for (size_t i = 0; i < pixels; ++i) out[3 * i + c] = plane[i];
@@ -43,7 +43,7 @@ Rgb interleave(const ImageF& picture, const Names& names) {
     return out;
 }
 
-void store(const Rgb& values, const Names& names, ImageF& picture) {
+void store(const Interleaved& values, const Names& names, ImageF& picture) {
     for (size_t c = 0; c < 3; ++c) {
         const auto plane = picture.plane(channel_of(picture, names[c]));
         for (size_t i = 0; i < plane.size(); ++i) plane[i] = values[3 * i + c];
@@ -79,9 +79,9 @@ struct Denoiser::Library {
     // One filter "RT" over images of the picture's size.
     struct Input {
         const char* name;
-        const Rgb& values;
+        const Interleaved& values;
     };
-    Rgb filter(const ImageF& picture, std::initializer_list<Input> inputs, std::initializer_list<const char*> flags) const;
+    Interleaved filter(const ImageF& picture, std::initializer_list<Input> inputs, std::initializer_list<const char*> flags) const;
 };
 
 void Denoiser::Library::load() {
@@ -139,8 +139,8 @@ void Denoiser::Library::check(const ImageF& picture) const {
                 "leave it out");
 }
 
-Rgb Denoiser::Library::filter(const ImageF& picture, std::initializer_list<Input> inputs, std::initializer_list<const char*> flags) const {
-    Rgb output(3 * picture.pixel_count());
+Interleaved Denoiser::Library::filter(const ImageF& picture, std::initializer_list<Input> inputs, std::initializer_list<const char*> flags) const {
+    Interleaved output(3 * picture.pixel_count());
     const auto release = [this](OidnFilter* filter) { release_filter(filter); };
     const std::unique_ptr<OidnFilter, decltype(release)> rt(new_filter(device, "RT"), release);
     check(picture);
@@ -169,9 +169,9 @@ const std::string& Denoiser::library() const { return library_->name; }
 void Denoiser::denoise(ImageF& picture) const {
     try {
         // "Prefiltering" of the documentation: guides without noise of their own let the filter keep all of their detail.
-        const Rgb albedo = library_->filter(picture, {{"albedo", interleave(picture, kAlbedo)}}, {});
-        const Rgb normal = library_->filter(picture, {{"normal", interleave(picture, kNormal)}}, {});
-        const Rgb color = library_->filter(picture, {{"color", interleave(picture, kColor)}, {"albedo", albedo}, {"normal", normal}}, {"hdr", "cleanAux"});
+        const Interleaved albedo = library_->filter(picture, {{"albedo", interleave(picture, kAlbedo)}}, {});
+        const Interleaved normal = library_->filter(picture, {{"normal", interleave(picture, kNormal)}}, {});
+        const Interleaved color = library_->filter(picture, {{"color", interleave(picture, kColor)}, {"albedo", albedo}, {"normal", normal}}, {"hdr", "cleanAux"});
         store(color, kColor, picture);
     } catch (const std::bad_alloc&) {
         throw Error(ErrorCode::Failed, fmt::format("there is not enough memory to denoise {}x{} pixels", picture.width, picture.height), kWhere, "choose a smaller --size, or leave it out");

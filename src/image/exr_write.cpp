@@ -40,7 +40,7 @@ private:
 };
 
 // One channel: values row by row.
-struct Plane {
+struct ChannelPlane {
     std::string_view channel;
     Imf::PixelType type;
     const void* data;
@@ -48,19 +48,19 @@ struct Plane {
 
 // Planes of `type` one after the other at `data`.
 template <class T>
-std::vector<Plane> make_planes(const std::vector<std::string>& channels, Imf::PixelType type, const std::vector<T>& data) {
-    std::vector<Plane> planes;
+std::vector<ChannelPlane> make_planes(const std::vector<std::string>& channels, Imf::PixelType type, const std::vector<T>& data) {
+    std::vector<ChannelPlane> planes;
     for (size_t c = 0; c < channels.size(); ++c) planes.push_back({channels[c], type, data.data() + c * (data.size() / channels.size())});
     return planes;
 }
 
-std::vector<std::byte> encode_planes(uint32_t width, uint32_t height, const Attributes& attributes, const std::vector<Plane>& planes) {
+std::vector<std::byte> encode_planes(uint32_t width, uint32_t height, const Attributes& attributes, const std::vector<ChannelPlane>& planes) {
     PARHELION_CHECK(!planes.empty() && width > 0 && height > 0, "an EXR of {}x{} pixels with {} channels", width, height, planes.size());
     Imf::Header header(static_cast<int>(width), static_cast<int>(height));
     header.compression() = Imf::ZIP_COMPRESSION;
     for (const auto& [key, value] : attributes) header.insert(key, Imf::StringAttribute(value));
     Imf::FrameBuffer frame;
-    for (const Plane& plane : planes) {
+    for (const ChannelPlane& plane : planes) {
         const size_t size = plane.type == Imf::HALF ? sizeof(half) : sizeof(uint32_t);
         auto* data = static_cast<char*>(const_cast<void*>(plane.data));  // a frame buffer serves reading and writing
         header.channels().insert(std::string(plane.channel), Imf::Channel(plane.type));
@@ -82,7 +82,7 @@ std::vector<std::byte> encode_planes(uint32_t width, uint32_t height, const Attr
 EncodedExr encode_exr(const ImageF& image, ExrPrecision precision) {
     PARHELION_CHECK(image.data.size() == image.channels.size() * image.pixel_count(), "an image of {}x{} with {} channels and {} values", image.width,
                     image.height, image.channels.size(), image.data.size());
-    const auto encode = [&](std::vector<Plane> planes) {
+    const auto encode = [&](std::vector<ChannelPlane> planes) {
         for (const ExactLayer& layer : image.exact) {
             PARHELION_CHECK(layer.words.size() == image.pixel_count(), "a layer of {} values for {} pixels", layer.words.size(), image.pixel_count());
             planes.push_back({layer.channel, layer.whole ? Imf::UINT : Imf::FLOAT, layer.words.data()});

@@ -10,7 +10,6 @@ namespace parhelion {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kGroundRadius = 6'360'000.0, kTopRadius = 6'420'000.0;
 
 // Bruneton 2017: solar irradiance at 680, 550 and 440 nm in W / (m^2 nm) times its factors for the sun's and the sky's luminance.
@@ -27,12 +26,12 @@ constexpr double kMieAsymmetry = 0.8;
 
 constexpr int kTransmittanceRows = 48, kTransmittanceColumns = 128, kMultipleRows = 24, kMultipleColumns = 48;
 
-double rayleigh_phase(double cosine) { return 3.0 / (16.0 * kPi) * (1.0 + cosine * cosine); }
+double rayleigh_phase(double cosine) { return 3.0 / (16.0 * std::numbers::pi) * (1.0 + cosine * cosine); }
 
 // Cornette and Shanks 1992.
 double mie_phase(double cosine) {
     constexpr double g = kMieAsymmetry, g2 = g * g;
-    const double k = 3.0 / (8.0 * kPi) * (1.0 - g2) / (2.0 + g2);
+    const double k = 3.0 / (8.0 * std::numbers::pi) * (1.0 - g2) / (2.0 + g2);
     return k * (1.0 + cosine * cosine) / std::pow(1.0 + g2 - 2.0 * g * cosine, 1.5);
 }
 
@@ -138,7 +137,7 @@ glm::dvec3 Atmosphere::integrate_multiple(double radius, double sun_up) const {
     glm::dvec3 second(0.0), again(0.0);  // second-order light; what one further order keeps
     for (int p = 0; p < kPolar; ++p)
         for (int a = 0; a < kAzimuth; ++a) {
-            const double up = 1.0 - 2.0 * (p + 0.5) / kPolar, phi = 2.0 * kPi * (a + 0.5) / kAzimuth, across = std::sqrt(1.0 - up * up);
+            const double up = 1.0 - 2.0 * (p + 0.5) / kPolar, phi = 2.0 * std::numbers::pi * (a + 0.5) / kAzimuth, across = std::sqrt(1.0 - up * up);
             const glm::dvec3 direction(across * std::cos(phi), up, across * std::sin(phi));
             const Exit exit = exit_of(radius, up);
             glm::dvec3 passed(1.0), light(0.0), kept(0.0);
@@ -149,13 +148,13 @@ glm::dvec3 Atmosphere::integrate_multiple(double radius, double sun_up) const {
                 const Medium m = medium_at(r - kGroundRadius);
                 const glm::dvec3 through = glm::exp(-m.extinction * step), scattered = m.scattering * (1.0 - through) / m.extinction;
                 kept += passed * scattered;
-                light += passed * scattered * transmittance(r - kGroundRadius, glm::dot(point, to_sun) / r) / (4.0 * kPi);
+                light += passed * scattered * transmittance(r - kGroundRadius, glm::dot(point, to_sun) / r) / (4.0 * std::numbers::pi);
                 passed *= through;
             }
             if (exit.ground) {
                 const glm::dvec3 normal = glm::normalize(glm::dvec3(0.0, radius, 0.0) + exit.distance * direction);
                 const double facing = glm::dot(normal, to_sun);
-                if (facing > 0.0) light += passed * transmittance(0.0, facing) * facing * ground_albedo_ / kPi;
+                if (facing > 0.0) light += passed * transmittance(0.0, facing) * facing * ground_albedo_ / std::numbers::pi;
             }
             second += light / double(kPolar * kAzimuth);
             again += kept / double(kPolar * kAzimuth);

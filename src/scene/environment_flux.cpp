@@ -11,7 +11,6 @@ namespace parhelion {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 
 // How much of a texel a cell holds.
 struct Share {
@@ -23,7 +22,7 @@ struct Share {
 // solid angle: with theta = k t, d(-cos theta) = k sin(k t) dt.
 std::vector<std::vector<Share>> cell_shares(uint32_t texels, uint32_t cells, bool polar) {
     std::vector<std::vector<Share>> out(cells);
-    const double k = kPi / texels;
+    const double k = std::numbers::pi / texels;
     const auto measure = [&](double a, double b) { return polar ? 2 * std::sin(k * (a + b) / 2) * std::sin(k * (b - a) / 2) : b - a; };
     // An antiderivative of (t - from) times the measure.
     const auto slope = [&](double t, double from) { return polar ? std::sin(k * t) / k - (t - from) * std::cos(k * t) : 0.5 * (t - from) * (t - from); };
@@ -43,7 +42,7 @@ std::vector<std::vector<Share>> cell_shares(uint32_t texels, uint32_t cells, boo
 }  // namespace
 
 double environment_cell_solid_angle(uint32_t row, uint32_t columns, uint32_t rows) {
-    return 2 * kPi / columns * 2 * std::sin(kPi * (row + 0.5) / rows) * std::sin(0.5 * kPi / rows);
+    return 2 * std::numbers::pi / columns * 2 * std::sin(std::numbers::pi * (row + 0.5) / rows) * std::sin(0.5 * std::numbers::pi / rows);
 }
 
 std::vector<double> environment_flux(const Environment& e, uint32_t columns, uint32_t rows) {
@@ -62,7 +61,7 @@ std::vector<double> environment_flux(const Environment& e, uint32_t columns, uin
                     const glm::vec3 radiance = e.radiance[y * e.width + size_t((share.texel + int64_t(e.width)) % int64_t(e.width))];
                     sum += share.weight * image::luminance(double(radiance.r), double(radiance.g), double(radiance.b));
                 }
-                narrowed[y * columns + c] = sum * 2 * kPi / e.width;
+                narrowed[y * columns + c] = sum * 2 * std::numbers::pi / e.width;
             }
     });
     parallel_for(rows, 16, [&](size_t begin, size_t end) {

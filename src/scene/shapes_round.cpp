@@ -11,7 +11,6 @@ namespace parhelion {
 
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
 
 // Two triangles for each cell of a grid of (rows + 1) x (columns + 1) vertices from `base` on; a cell side without length has none.
 void add_grid_triangles(Primitive& primitive, uint32_t base, uint32_t rows, uint32_t columns) {
@@ -28,9 +27,9 @@ void add_grid_triangles(Primitive& primitive, uint32_t base, uint32_t rows, uint
 std::vector<float> rounded_lines(float half, float radius, uint32_t steps, uint32_t cells) {
     std::vector<float> lines;
     const float inner = half - radius;
-    for (uint32_t i = 0; i < steps; ++i) lines.push_back(-inner - radius * std::tan(0.25f * kPi * float(steps - i) / float(steps)));
+    for (uint32_t i = 0; i < steps; ++i) lines.push_back(-inner - radius * std::tan(0.25f * std::numbers::pi_v<float> * float(steps - i) / float(steps)));
     for (uint32_t i = 0; i <= cells; ++i) lines.push_back(inner * (2.0f * float(i) / float(cells) - 1.0f));
-    for (uint32_t i = 1; i <= steps; ++i) lines.push_back(inner + radius * std::tan(0.25f * kPi * float(i) / float(steps)));
+    for (uint32_t i = 1; i <= steps; ++i) lines.push_back(inner + radius * std::tan(0.25f * std::numbers::pi_v<float> * float(i) / float(steps)));
     lines.front() = -half;
     lines.back() = half;
     return lines;
@@ -80,7 +79,7 @@ Primitive make_cushion(glm::vec3 size, float radius, float puff) {
     Primitive box = make_rounded_box(size, radius, 3, 8);
     const glm::vec3 half = 0.5f * size;
     for (size_t i = 0; i < box.positions.size(); ++i) {
-        const glm::vec3 s = glm::cos(0.5f * kPi * glm::clamp(box.positions[i] / half, -1.0f, 1.0f));
+        const glm::vec3 s = glm::cos(0.5f * std::numbers::pi_v<float> * glm::clamp(box.positions[i] / half, -1.0f, 1.0f));
         const glm::vec3 n = box.normals[i];
         box.positions[i] += puff * n * n * glm::sign(n) * glm::vec3(s.y * s.z, s.z * s.x, s.x * s.y);
     }
@@ -91,7 +90,7 @@ Primitive make_cushion(glm::vec3 size, float radius, float puff) {
 Primitive make_lathe(std::span<const glm::vec2> profile, uint32_t segments) {
     Primitive lathe;
     const auto direction = [&](size_t i) { return glm::normalize(profile[i + 1] - profile[i]); };
-    const float sharp = std::cos(kPi * 40.0f / 180.0f);
+    const float sharp = std::cos(std::numbers::pi_v<float> * 40.0f / 180.0f);
     float along = 0.0f;
     for (size_t i = 0; i + 1 < profile.size(); ++i) {
         const uint32_t base = uint32_t(lathe.positions.size());
@@ -103,7 +102,7 @@ Primitive make_lathe(std::span<const glm::vec2> profile, uint32_t segments) {
             const glm::vec2 at = profile[i + end];
             if (end == 1) along += glm::length(profile[i + 1] - profile[i]);
             for (uint32_t s = 0; s <= segments; ++s) {
-                const float phi = 2.0f * kPi * float(s % segments) / float(segments);
+                const float phi = 2.0f * std::numbers::pi_v<float> * float(s % segments) / float(segments);
                 const glm::vec3 out(std::sin(phi), 0.0f, std::cos(phi));
                 lathe.positions.push_back(at.x * out + glm::vec3(0.0f, at.y, 0.0f));
                 lathe.normals.push_back(glm::normalize(d.y * out - glm::vec3(0.0f, d.x, 0.0f)));
@@ -130,8 +129,8 @@ Primitive make_torus(float ring, float tube, uint32_t ring_segments, uint32_t tu
     Primitive torus;
     for (uint32_t r = 0; r <= ring_segments; ++r)
         for (uint32_t t = 0; t <= tube_segments; ++t) {
-            const float phi = 2.0f * kPi * float(r % ring_segments) / float(ring_segments);
-            const float theta = 2.0f * kPi * float(t % tube_segments) / float(tube_segments);
+            const float phi = 2.0f * std::numbers::pi_v<float> * float(r % ring_segments) / float(ring_segments);
+            const float theta = 2.0f * std::numbers::pi_v<float> * float(t % tube_segments) / float(tube_segments);
             const glm::vec3 out(std::sin(phi), 0.0f, std::cos(phi));
             const glm::vec3 n = std::cos(theta) * out + glm::vec3(0.0f, std::sin(theta), 0.0f);
             torus.positions.push_back(ring * out + tube * n);
@@ -161,7 +160,7 @@ Primitive make_tube(std::span<const glm::vec3> points, std::span<const float> ra
         if (i > 0) along += glm::length(points[i] - points[i - 1]);
         const float radius = radii.size() == 1 ? radii[0] : radii[i];
         for (uint32_t s = 0; s <= sides; ++s) {
-            const float phi = 2.0f * kPi * float(s % sides) / float(sides);
+            const float phi = 2.0f * std::numbers::pi_v<float> * float(s % sides) / float(sides);
             const glm::vec3 n = std::cos(phi) * side + std::sin(phi) * up;
             tube.positions.push_back(points[i] + radius * n);
             tube.normals.push_back(glm::normalize(n));

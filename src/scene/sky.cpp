@@ -10,13 +10,12 @@ namespace parhelion {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kViewerAltitude = 2.0;                            // metres
 constexpr float kSunAngularRadius = 0.5f * 0.53f * 0.01745329252f;  // half of 0.53 degrees
 
 // Direction of a texel's middle, as Environment lays them out.
 glm::dvec3 direction_of(const Environment& e, size_t x, size_t y) {
-    const double theta = kPi * (double(y) + 0.5) / e.height, phi = 2.0 * kPi * ((double(x) + 0.5) / e.width - 0.5);
+    const double theta = std::numbers::pi * (double(y) + 0.5) / e.height, phi = 2.0 * std::numbers::pi * ((double(x) + 0.5) / e.width - 0.5);
     return {std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)};
 }
 
@@ -24,9 +23,9 @@ glm::dvec3 direction_of(const Environment& e, size_t x, size_t y) {
 glm::dvec3 sky_illuminance(const Environment& e) {
     glm::dvec3 sum(0.0);
     for (size_t y = 0; y < e.height / 2; ++y) {
-        const double top = std::cos(kPi * double(y) / e.height), bottom = std::cos(kPi * double(y + 1) / e.height);
+        const double top = std::cos(std::numbers::pi * double(y) / e.height), bottom = std::cos(std::numbers::pi * double(y + 1) / e.height);
         for (size_t x = 0; x < e.width; ++x)
-            sum += glm::dvec3(e.radiance[y * e.width + x]) * (kPi / e.width * (top * top - bottom * bottom));
+            sum += glm::dvec3(e.radiance[y * e.width + x]) * (std::numbers::pi / e.width * (top * top - bottom * bottom));
     }
     return sum;
 }
@@ -46,7 +45,7 @@ Environment map_of(const Atmosphere& atmosphere, glm::dvec3 to_sun, glm::dvec3 s
     };
     fill(0, e.height / 2);
     const glm::dvec3 on_ground = sun_illuminance * std::max(0.0, to_sun.y) + sky_illuminance(e);
-    ground = on_ground * (double(options.ground_albedo) / kPi);
+    ground = on_ground * (double(options.ground_albedo) / std::numbers::pi);
     fill(e.height / 2, e.height);
     return e;
 }

@@ -12,7 +12,6 @@ namespace parhelion {
 
 namespace {
 
-using Json = nlohmann::json;
 using Given = OptionValues::Given;
 
 const OptionSpec& known_option(Command command, std::string_view name) {
@@ -89,14 +88,14 @@ std::vector<Given> read_environment(Command command, const EnvironmentLookup& en
 }
 
 // JSON numbers keep their digits: 0.1 stays "0.1", 64 stays "64".
-std::string preset_text(const Json& value, const std::string& where) {
+std::string preset_text(const nlohmann::json& value, const std::string& where) {
     if (value.is_string()) return value.get<std::string>();
     if (value.is_boolean()) return value.get<bool>() ? "on" : "off";
     if (value.is_number()) return value.dump();
     throw Error(ErrorCode::Usage, "is neither text, a number, true nor false", where);
 }
 
-void check_schema(const Json& root, const std::string& file) {
+void check_schema(const nlohmann::json& root, const std::string& file) {
     if (!root.is_object()) throw Error(ErrorCode::Usage, "is not a JSON object", file, "a preset looks like {\"schema\": 1, \"spp\": 256}");
     const auto schema = root.find("schema");
     if (schema == root.end() || *schema != 1)
@@ -148,10 +147,10 @@ void OptionValues::add_source(const std::vector<Given>& values) {
 
 std::vector<Given> parse_preset(std::string_view json_text, std::string_view where) {
     const std::string file = escape_name(where);
-    Json root;
+    nlohmann::json root;
     try {
-        root = Json::parse(json_text);
-    } catch (const Json::exception&) {
+        root = nlohmann::json::parse(json_text);
+    } catch (const nlohmann::json::exception&) {
         throw Error(ErrorCode::Usage, "is not valid JSON", file);
     }
     check_schema(root, file);

@@ -6,7 +6,7 @@
 #include "image/texels.h"
 #include "support/gpu_helpers.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::block_texture_test {
 namespace {
 
 using image::TexelFormat;
@@ -84,4 +84,4 @@ TEST_F(BlockTexture, rows_are_uploaded_in_whole_blocks_only) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::block_texture_test

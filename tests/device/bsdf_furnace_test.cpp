@@ -3,7 +3,7 @@
 
 #include "device/bsdf_device.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::bsdf_furnace_test {
 namespace {
 
 constexpr float kRoughnesses[] = {0, 0.02f, 0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 0.7f, 0.8f, 0.9f, 1};
@@ -165,4 +165,4 @@ TEST_F(Furnace, the_tables_of_albedos_agree_with_brute_force) {
     }
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::bsdf_furnace_test

@@ -7,7 +7,7 @@
 
 #include "device/bsdf_device.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::bsdf_oracle_test {
 namespace {
 
 struct Point {
@@ -66,4 +66,4 @@ TEST_F(BsdfOracle, values_are_those_of_a_separate_implementation) {
     fmt::print("worst deviation: metal {:.2g}, coated {:.2g}, light that scattered more than once {:.2g} (absolute)\n", worst_direct, worst_coated, worst_more);
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::bsdf_oracle_test

@@ -6,7 +6,7 @@
 #include "device/bsdf_device.h"
 #include "support/statistics.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::bsdf_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -209,4 +209,4 @@ TEST_F(BsdfTest, a_coat_with_its_own_normal_reflects_about_it) {
     EXPECT_GT(mirrored, 4096u / 12);
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::bsdf_test

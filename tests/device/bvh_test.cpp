@@ -6,7 +6,7 @@
 #include "support/bvh_scene.h"
 #include "support/gpu_helpers.h"
 
-namespace parhelion::bvh::testing {
+namespace parhelion::bvh::testing::bvh_test {
 namespace {
 
 using namespace parhelion::testing;
@@ -146,4 +146,4 @@ TEST_P(BvhDevice, no_ray_slips_out_of_a_closed_mesh) {
 }
 
 }  // namespace
-}  // namespace parhelion::bvh::testing
+}  // namespace parhelion::bvh::testing::bvh_test

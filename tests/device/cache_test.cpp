@@ -6,7 +6,7 @@
 #include "lib/cache_cell.glsl"
 #include "support/cache_table.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::cache_test {
 namespace {
 
 class CacheTables : public GpuTest {
@@ -313,4 +313,4 @@ TEST_F(CacheTables, a_reset_forgets_everything) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::cache_test

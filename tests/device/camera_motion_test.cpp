@@ -6,7 +6,7 @@
 #include "session/scene_setup.h"
 #include "support/gpu_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::camera_motion_test {
 namespace {
 
 class CameraMotions : public GpuTest {};
@@ -46,4 +46,4 @@ TEST_F(CameraMotions, are_on_the_device_what_they_are_on_the_host) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::camera_motion_test

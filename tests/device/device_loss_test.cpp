@@ -4,7 +4,7 @@
 #include "gpu/internal.h"
 #include "support/gpu_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::device_loss_test {
 
 class DeviceLoss : public GpuTest {};
 
@@ -35,4 +35,4 @@ TEST_F(DeviceLoss, the_error_names_the_device_and_the_last_completed_pass) {
     impl.vk.vkWaitSemaphores = wait_function;
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::device_loss_test

@@ -9,7 +9,7 @@
 #include "image/film.h"
 #include "support/gpu_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::fixed_point_test {
 namespace {
 
 class FixedPoint : public GpuTest {};
@@ -45,4 +45,4 @@ TEST_F(FixedPoint, sums_equal_the_hosts_bit_for_bit) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::fixed_point_test

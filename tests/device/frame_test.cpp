@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "support/gpu_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::frame_test {
 namespace {
 
 constexpr uint32_t kCount = 1000;
@@ -153,4 +153,4 @@ TEST_F(FrameTest, resources_are_kept_until_the_frame_is_done) {
     EXPECT_TRUE(watch.expired());
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::frame_test

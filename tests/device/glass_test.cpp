@@ -14,7 +14,7 @@
 #include "support/gpu_fixture.h"
 #include "support/statistics.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::glass_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -316,4 +316,4 @@ TEST_F(GlassDevice, nothing_breaks_at_the_edges) {
     check(Evaluate);
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::glass_test

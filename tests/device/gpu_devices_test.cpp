@@ -8,7 +8,7 @@
 #include "gpu/internal.h"
 #include "support/gpu_helpers.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::gpu_devices_test {
 namespace {
 
 using namespace gpu;
@@ -320,4 +320,4 @@ TEST_F(PipelineCache, a_folder_that_cannot_be_written_breaks_nothing) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::gpu_devices_test

@@ -6,7 +6,7 @@
 #include "support/gpu_helpers.h"
 #include "support/pack_writer.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::gpu_test {
 namespace {
 
 using namespace gpu;
@@ -401,4 +401,4 @@ TEST_F(GpuTrace, an_indirect_ray_tracing_pipeline_finds_the_triangles) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::gpu_test

@@ -7,7 +7,7 @@
 #include "device/shaders/layout_fill.h"
 #include "support/gpu_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::layout_test {
 namespace {
 
 class Layout : public GpuTest {};
@@ -90,4 +90,4 @@ TEST_F(Layout, structs_have_the_same_size_on_both_sides) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::layout_test

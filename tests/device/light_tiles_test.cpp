@@ -9,7 +9,7 @@
 #include "support/render_fixture.h"
 #include "support/statistics.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::light_tiles_test {
 namespace {
 
 struct Told {
@@ -159,4 +159,4 @@ TEST_F(LightTileTest, are_read_by_whole_squares_of_pixels_another_one_in_each_fr
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::light_tiles_test

@@ -6,7 +6,7 @@
 
 #include "support/gpu_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::packing_test {
 namespace {
 
 class Packing : public GpuTest {
@@ -52,4 +52,4 @@ TEST_F(Packing, comes_back_within_the_stated_errors) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::packing_test

@@ -9,7 +9,7 @@
 #include "support/gpu_fixture.h"
 #include "support/gpu_helpers.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::raster_test {
 namespace {
 
 constexpr uint32_t kSide = 16;
@@ -246,4 +246,4 @@ TEST_F(Raster, a_device_without_it_says_so) {
     EXPECT_EQ(without->validation_message_count(), 0u);
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::raster_test

@@ -3,7 +3,7 @@
 
 #include "support/gpu_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::ray_cone_test {
 namespace {
 
 struct Query {
@@ -55,4 +55,4 @@ TEST_F(RayCones, a_lobe_widens_the_cone_by_its_roughness) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::ray_cone_test

@@ -10,7 +10,7 @@
 #include "support/gpu_fixture.h"
 #include "support/statistics.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::sampler_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -157,4 +157,4 @@ TEST_F(SamplerDeviceTest, cone_samples_are_uniform_down_to_the_size_of_the_sun) 
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::sampler_test

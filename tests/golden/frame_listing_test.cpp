@@ -8,7 +8,7 @@
 #include "session/scene_setup.h"
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::frame_listing_test {
 namespace {
 
 const std::string kGolden = PARHELION_SOURCE_DIR "/tests/golden/", kDocument = PARHELION_SOURCE_DIR "/docs/frame.md";
@@ -99,4 +99,4 @@ TEST_F(FrameListing, the_document_is_made_from_the_listings) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::frame_listing_test

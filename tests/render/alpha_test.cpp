@@ -8,7 +8,7 @@
 #include "support/render_fixture.h"
 #include "support/trace_rays.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::alpha_test {
 namespace {
 
 class AlphaMasks : public GpuTest {
@@ -117,4 +117,4 @@ TEST_F(AlphaMasks, the_rays_of_two_bounces_pass_a_veil_independently) {
     expect_mean({plane.begin(), plane.end()}, (1.0 - double(kAlpha)) * (1.0 - double(kAlpha)), 0.02, "crossed twice");
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::alpha_test

@@ -9,7 +9,7 @@
 #include "support/render_fixture.h"
 #include "support/statistics.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::aov_test {
 namespace {
 
 class Aovs : public GpuTest {
@@ -144,4 +144,4 @@ TEST_F(Aovs, normals_are_unit_and_face_the_camera) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::aov_test

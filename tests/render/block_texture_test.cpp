@@ -6,7 +6,7 @@
 #include "scene/shapes.h"
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::block_texture_test {
 namespace {
 
 constexpr TexelFormat kFormats[] = {TexelFormat::Bc1Rgb, TexelFormat::Bc1, TexelFormat::Bc3, TexelFormat::Bc4, TexelFormat::Bc5, TexelFormat::Bc7};
@@ -87,4 +87,4 @@ TEST_F(BlockTextures, are_unpacked_in_slices_for_a_device_without_blocks) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::block_texture_test

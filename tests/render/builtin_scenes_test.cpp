@@ -3,7 +3,7 @@
 
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::builtin_scenes_test {
 namespace {
 
 class BuiltinPictures : public GpuTest {};
@@ -39,4 +39,4 @@ TEST_F(BuiltinPictures, a_shut_leak_box_is_black_inside_and_light_enters_by_its_
     EXPECT_EQ(mean_rgb(stage.picture({.camera = camera_named(stage.scene, "inside 5 cm"), .sample_count = 4})), 0.0);
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::builtin_scenes_test

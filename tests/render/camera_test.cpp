@@ -7,7 +7,7 @@
 #include "scene/shapes.h"
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::camera_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -179,4 +179,4 @@ TEST_F(CameraRays, every_way_to_trace_has_the_same_rays_with_lens_and_shutter) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::camera_test

@@ -8,7 +8,7 @@
 #include "support/gpu_fixture.h"
 #include "support/process.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::cli_denoise_test {
 namespace {
 
 using Words = std::vector<std::string>;
@@ -80,4 +80,4 @@ TEST_F(CliDenoise, what_cannot_be_denoised_is_one_line_and_no_file) {
     expect(run({"--spp", "1", "--denoise", "oidn", "--aov", "noisy", "--out", folder.file("a.png")}), 2, "layers need an EXR");
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::cli_denoise_test

@@ -7,7 +7,7 @@
 #include "support/gpu_fixture.h"
 #include "support/process.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::cli_export_test {
 namespace {
 
 class CliExport : public ::testing::Test {
@@ -58,4 +58,4 @@ TEST_F(CliExport, what_is_wrong_is_one_line_and_a_code) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::cli_export_test

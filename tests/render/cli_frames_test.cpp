@@ -9,7 +9,7 @@
 #include "support/gpu_fixture.h"
 #include "support/process.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::cli_frames_test {
 namespace {
 
 using Words = std::vector<std::string>;
@@ -56,4 +56,4 @@ TEST_F(CliFrames, an_interrupted_sequence_leaves_whole_frames_and_says_how_many)
     EXPECT_EQ(read_bytes(file(names.back())), read_bytes(file(fmt::format("again.{:04}.exr", last))));
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::cli_frames_test

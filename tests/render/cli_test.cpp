@@ -14,7 +14,7 @@
 #include "support/gpu_fixture.h"
 #include "support/process.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::cli_test {
 namespace {
 
 using Words = std::vector<std::string>;
@@ -497,4 +497,4 @@ TEST_F(CliRender, a_bench_run_prints_a_table_and_compares_with_its_own_json) {
     expect_error(run_parhelion(words + Words{"--baseline", file("none.json")}), 1, "none.json");
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::cli_test

@@ -7,7 +7,7 @@
 #include "support/gpu_fixture.h"
 #include "support/process.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::cli_wavefront_test {
 namespace {
 
 using Words = std::vector<std::string>;
@@ -93,4 +93,4 @@ TEST_F(CliWavefront, the_bench_of_the_wavefront_holds_its_forms_against_the_refe
     EXPECT_NE(result.out.find("once indirect classes"), std::string::npos) << result.out;
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::cli_wavefront_test

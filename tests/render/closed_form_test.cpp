@@ -9,7 +9,7 @@
 #include "scene/shapes.h"
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::closed_form_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -335,4 +335,4 @@ TEST_F(ClosedForm, lights_of_all_kinds_add_up) {
     expect_mean(ratios, 1.0, 0.005, "sum of lights");
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::closed_form_test

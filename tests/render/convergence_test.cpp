@@ -9,7 +9,7 @@
 #include "support/render_fixture.h"
 #include "support/statistics.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::convergence_test {
 namespace {
 
 constexpr uint32_t kSize = 16, kLast = 1024, kRuns = 3;
@@ -121,4 +121,4 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Convergence,
                          });
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::convergence_test

@@ -5,7 +5,7 @@
 #include "scene/shapes.h"
 #include "support/trace_rays.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::culling_test {
 namespace {
 
 class Culling : public GpuTest {
@@ -203,4 +203,4 @@ TEST_F(Culling, shadows_of_a_veil_and_of_single_sided_surfaces) {
     }
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::culling_test

@@ -12,7 +12,7 @@
 #include "support/gpu_fixture.h"
 #include "support/process.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::dataset_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -286,4 +286,4 @@ TEST_F(Dataset, an_interrupted_one_has_whole_frames_and_is_gone_on_with) {
         }
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::dataset_test

@@ -15,7 +15,7 @@
 #include "shared/scene.h"
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::deform_test {
 namespace {
 
 constexpr uint32_t kSize = 40, kInstances = 3;
@@ -308,4 +308,4 @@ TEST_F(DeviceDeforms, lamps_and_their_light) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::deform_test

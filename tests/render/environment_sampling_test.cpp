@@ -8,7 +8,7 @@
 #include "support/light_samples.h"
 #include "support/statistics.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::environment_sampling_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -268,4 +268,4 @@ TEST_F(EnvironmentSampling, a_black_map_takes_no_samples_from_others) {
     EXPECT_EQ(stage.scene_gpu.stats().emitters, 1u);
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::environment_sampling_test

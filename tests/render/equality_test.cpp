@@ -3,7 +3,7 @@
 
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::equality_test {
 namespace {
 
 constexpr gpu::TraceWay kHardwareWays[] = {gpu::TraceWay::Query, gpu::TraceWay::Pipeline};
@@ -96,4 +96,4 @@ INSTANTIATE_TEST_SUITE_P(Scenes, ShadeInHit, ::testing::Values("cornell", "textu
 INSTANTIATE_TEST_SUITE_P(Scenes, Equality, ::testing::Values("cornell", "textured", "spheres", "glass"), [](const auto& scene) { return std::string(scene.param); });
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::equality_test

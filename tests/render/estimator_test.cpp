@@ -10,7 +10,7 @@
 #include "support/render_fixture.h"
 #include "support/statistics.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::estimator_test {
 namespace {
 
 class Estimators : public GpuTest {
@@ -153,4 +153,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& given) { return std::string(given.param.name); });
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::estimator_test

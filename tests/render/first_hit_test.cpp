@@ -14,7 +14,7 @@
 #include "shared/scene.h"
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::first_hit_test {
 namespace {
 
 using DVec2 = glm::dvec2;
@@ -255,4 +255,4 @@ TEST_F(FirstHits, every_way_to_trace_gives_the_same_bits) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::first_hit_test

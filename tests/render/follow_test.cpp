@@ -7,7 +7,7 @@
 #include "session/scene_setup.h"
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::follow_test {
 namespace {
 
 constexpr uint32_t kSize = 33;  // the middle pixel looks along the axis
@@ -153,4 +153,4 @@ TEST_F(Follow, a_pane_before_the_sky_stays_what_it_is) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::follow_test

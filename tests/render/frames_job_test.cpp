@@ -11,7 +11,7 @@
 #include "support/process.h"
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::frames_job_test {
 namespace {
 
 class FramesJob : public GpuTest {
@@ -150,4 +150,4 @@ TEST_F(FramesJob, out_of_time_a_sequence_ends_with_a_whole_frame) {
     EXPECT_EQ(bytes(fmt::format("a.{:04}.exr", last).c_str()), bytes(fmt::format("again.{:04}.exr", last).c_str()));
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::frames_job_test

@@ -7,7 +7,7 @@
 #include "support/render_fixture.h"
 #include "support/statistics.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::glass_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -296,4 +296,4 @@ TEST_F(Glass, light_through_panes_is_the_same_however_it_is_sampled) {
     }
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::glass_test

@@ -9,7 +9,7 @@
 #include "scene/gltf/read.h"
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::gltf_geometry_test {
 namespace {
 
 using nlohmann::json;
@@ -304,4 +304,4 @@ TEST_F(GltfGeometry, instances_of_the_extension_draw_what_as_many_nodes_draw) {
     EXPECT_EQ(share_bit_equal(draw(instanced), expected), 1.0);
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::gltf_geometry_test

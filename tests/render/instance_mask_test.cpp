@@ -4,7 +4,7 @@
 #include "support/render_fixture.h"
 #include "support/trace_rays.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::instance_mask_test {
 namespace {
 
 class InstanceMasks : public GpuTest {
@@ -173,4 +173,4 @@ TEST_F(InstanceMasks, a_thousand_moved_instances_are_where_they_were_in_the_prev
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::instance_mask_test

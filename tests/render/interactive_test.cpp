@@ -10,7 +10,7 @@
 #include "support/process.h"
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::interactive_test {
 namespace {
 
 class InteractiveScene : public GpuTest {
@@ -198,4 +198,4 @@ TEST_F(InteractiveScene, a_scene_that_cannot_be_read_again_stays_as_it_was) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::interactive_test

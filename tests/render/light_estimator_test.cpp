@@ -9,7 +9,7 @@
 #include "support/render_fixture.h"
 #include "support/statistics.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::light_estimator_test {
 namespace {
 
 // In all scenes the light falls onto a rough metal floor and a Lambert block.
@@ -172,4 +172,4 @@ TEST_F(LightEstimators, an_emitter_behind_a_culled_face_is_seen_by_rays_of_every
     }
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::light_estimator_test

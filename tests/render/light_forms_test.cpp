@@ -10,7 +10,7 @@
 #include "scene/shapes.h"
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::light_forms_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -280,4 +280,4 @@ TEST_F(LightForms, a_sun_of_two_texels_in_an_image) {
     expect_forms(std::move(edit), [lux](glm::dvec2) { return lux; }, "two-texel sun", {32768, 32768, 0});
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::light_forms_test

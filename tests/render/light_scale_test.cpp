@@ -9,7 +9,7 @@
 #include "support/light_samples.h"
 #include "support/statistics.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::light_scale_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -222,4 +222,4 @@ TEST_F(LightScale, one_bright_triangle_among_a_hundred_thousand_black_ones_takes
     expect_mean(values, 10.0 * 4.0 / (kCells * kCells), 0.05, "panel");  // nits x square metres of the texel's tent
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::light_scale_test

@@ -8,7 +8,7 @@
 #include "support/realtime_player.h"
 #include "support/statistics.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::light_tiles_test {
 namespace {
 
 // From dim to bright, in colours of which tiles keep each channel by itself.
@@ -102,4 +102,4 @@ TEST_F(LightTiles, of_a_lamp_as_large_as_the_ceiling_count_its_light_once) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::light_tiles_test

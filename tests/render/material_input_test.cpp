@@ -7,7 +7,7 @@
 #include "scene/shapes.h"
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::material_input_test {
 namespace {
 
 using Texels = std::vector<glm::u8vec3>;
@@ -157,4 +157,4 @@ TEST_F(MaterialInputs, a_normal_map_follows_the_tangent_and_its_handedness) {
         }
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::material_input_test

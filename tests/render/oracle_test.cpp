@@ -9,7 +9,7 @@
 #include "support/render_fixture.h"
 #include "support/statistics.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::oracle_test {
 namespace {
 
 const std::filesystem::path kFolder = PARHELION_SOURCE_DIR "/tests/golden/oracles";
@@ -201,4 +201,4 @@ TEST_P(MitsubaOracle, draws_the_same_picture) {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, MitsubaOracle, ::testing::ValuesIn(kCases), [](const auto& row) { return std::string(row.param.name); });
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::oracle_test

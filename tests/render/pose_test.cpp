@@ -6,7 +6,7 @@
 #include "scene/shapes.h"
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::pose_test {
 namespace {
 
 class Poses : public GpuTest {
@@ -79,4 +79,4 @@ TEST_F(Poses, draw_the_same_bits_without_a_transform_between) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::pose_test

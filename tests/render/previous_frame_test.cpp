@@ -8,7 +8,7 @@
 #include "shared/scene.h"
 #include "support/trace_rays.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::previous_frame_test {
 namespace {
 
 constexpr uint32_t kGone = shared::kNone;
@@ -255,4 +255,4 @@ TEST_F(PreviousFrame, another_scene_has_no_past) {
     EXPECT_EQ(rows[0].instance_before, kGone);
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::previous_frame_test

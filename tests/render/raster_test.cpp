@@ -11,7 +11,7 @@
 #include "shared/raster.h"
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::raster_test {
 namespace {
 
 const SceneGpuOptions kRaster{.raster = true};
@@ -341,4 +341,4 @@ TEST_F(RasterIdentity, each_barrier_left_out_draws_a_complaint_and_full_barriers
     EXPECT_EQ(same.raster(other), expected);
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::raster_test

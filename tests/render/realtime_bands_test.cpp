@@ -5,7 +5,7 @@
 #include "scene/shapes.h"
 #include "support/realtime_player.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::realtime_bands_test {
 namespace {
 
 class RealtimeBands : public GpuTest {
@@ -174,4 +174,4 @@ TEST_F(RealtimeBands, paths_without_a_bound_are_those_of_the_reference) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::realtime_bands_test

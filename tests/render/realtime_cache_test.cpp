@@ -6,7 +6,7 @@
 #include "support/realtime_player.h"
 #include "support/statistics.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::realtime_cache_test {
 namespace {
 
 class RealtimeCache : public GpuTest {
@@ -74,4 +74,4 @@ TEST_F(RealtimeCache, a_new_exposure_changes_nothing_in_nits) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::realtime_cache_test

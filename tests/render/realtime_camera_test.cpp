@@ -4,7 +4,7 @@
 #include "scene/builtin/scenes.h"
 #include "support/realtime_player.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::realtime_camera_test {
 namespace {
 
 class RealtimeCamera : public GpuTest {
@@ -130,4 +130,4 @@ TEST_F(RealtimeCamera, leaves_no_cell_behind) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::realtime_camera_test

@@ -9,7 +9,7 @@
 #include "support/realtime_player.h"
 #include "support/statistics.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::realtime_change_test {
 namespace {
 
 // A room of 4 x 3 x 4 metres with a door, into which the sun shines. Everything is dark until something is switched on.
@@ -184,4 +184,4 @@ TEST_F(RealtimeChange, a_light_that_moves_at_two_metres_a_second_keeps_up) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::realtime_change_test

@@ -6,7 +6,7 @@
 #include "support/process.h"
 #include "support/realtime_player.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::realtime_machine_test {
 namespace {
 
 // Each kind of frame: traced and by raster, with the cache and without, with tiles and without.
@@ -137,4 +137,4 @@ TEST_F(RealtimeMachine, the_number_of_threads_changes_no_bit) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::realtime_machine_test

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace parhelion::testing {
+namespace parhelion::testing::realtime_replay_test {
 namespace {
 
 class RealtimeReplay : public GpuTest {
@@ -86,4 +86,4 @@ TEST_F(RealtimeReplay, the_bench_does_not_draw_on_a_device_that_has_no_times_of_
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::realtime_replay_test

@@ -4,7 +4,7 @@
 #include "support/render_fixture.h"
 #include "support/statistics.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::realtime_test {
 namespace {
 
 const std::vector<std::string> kClasses{"path.*"};
@@ -111,4 +111,4 @@ TEST_F(RealtimePicture, with_tiles_every_class_has_the_mean_of_the_reference) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::realtime_test

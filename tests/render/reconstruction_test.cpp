@@ -11,7 +11,7 @@
 #include "session/film_state.h"
 #include "support/realtime_player.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::reconstruction_test {
 namespace {
 
 constexpr uint32_t kSize = 48;
@@ -327,4 +327,4 @@ TEST_F(ReconstructionTest, frames_of_the_realtime_renderer_come_out_clean_and_as
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::reconstruction_test

@@ -10,7 +10,7 @@
 #include "support/bvh_scene.h"
 #include "support/trace_rays.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::refit_test {
 namespace {
 
 using bvh::Layout;
@@ -472,4 +472,4 @@ TEST_F(DeformedMeshes, are_told_by_a_bit_of_the_hit) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::refit_test

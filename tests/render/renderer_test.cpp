@@ -5,7 +5,7 @@
 #include "session/scene_setup.h"
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::renderer_test {
 namespace {
 
 constexpr uint32_t kSize = 16;
@@ -64,4 +64,4 @@ TEST_F(HostRenderer, views_accumulate_apart_and_start_anew_when_something_change
     EXPECT_NE(film(b), b_once);
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::renderer_test

@@ -8,7 +8,7 @@
 #include "session/film_state.h"
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::reuse_test {
 namespace {
 
 class Reuse : public GpuTest {
@@ -70,4 +70,4 @@ TEST_F(Reuse, a_lamp_that_is_turned_up_shines_in_the_same_frame) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::reuse_test

@@ -6,7 +6,7 @@
 
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::samples_test {
 namespace {
 
 class Samples : public GpuTest {
@@ -135,4 +135,4 @@ TEST_F(Samples, each_barrier_of_the_renderer_left_out_draws_a_complaint) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::samples_test

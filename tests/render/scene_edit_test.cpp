@@ -6,7 +6,7 @@
 #include "scene/shapes.h"
 #include "support/trace_rays.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::scene_edit_test {
 namespace {
 
 constexpr glm::vec3 kOld(-0.6f, 0.5f, 0.0f), kNew(0.7f, 0.4f, -0.3f);
@@ -222,4 +222,4 @@ TEST_F(SceneEdits, a_crowd_on_the_move_is_where_it_is_and_was_where_it_was) {
     }
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::scene_edit_test

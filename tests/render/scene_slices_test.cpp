@@ -8,7 +8,7 @@
 #include "session/scene_setup.h"
 #include "support/trace_rays.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::scene_slices_test {
 namespace {
 
 constexpr SceneGpuOptions kCrumbs{.slice_bytes = 1024, .slice_triangles = 1, .geometry_buffer_bytes = 4096};
@@ -237,4 +237,4 @@ TEST_F(SceneSlices, a_host_program_sees_black_and_then_the_picture) {
     EXPECT_EQ(film(view), film(expected));
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::scene_slices_test

@@ -1,7 +1,7 @@
 // Rays that leave a surface never meet it again, at any size: `./dev soak` looks at a million.
 #include "support/spawn_rays.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::spawn_test {
 namespace {
 
 class Spawn : public GpuTest {};
@@ -22,4 +22,4 @@ TEST_F(Spawn, rays_by_error_bounds_never_meet_their_own_triangle_and_start_near_
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::spawn_test

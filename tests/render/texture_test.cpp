@@ -5,7 +5,7 @@
 #include "scene/shapes.h"
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::texture_test {
 namespace {
 
 class Textures : public GpuTest {
@@ -116,4 +116,4 @@ TEST_F(Textures, ray_cones_take_the_noise_and_leave_the_mean) {
     EXPECT_NEAR(cone_mean / full_mean, 1.0, 0.012);
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::texture_test

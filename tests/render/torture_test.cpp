@@ -4,7 +4,7 @@
 #include "scene/shapes.h"
 #include "support/realtime_player.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::torture_test {
 namespace {
 
 class Torture : public GpuTest {
@@ -131,4 +131,4 @@ TEST_F(Torture, every_frame_in_realtime_is_finite_and_not_negative) {
     }
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::torture_test

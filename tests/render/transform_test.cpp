@@ -6,7 +6,7 @@
 #include "scene/shapes.h"
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::transform_test {
 namespace {
 
 // A turned, stretched, moved plane with normals that lean, lit by a point light. `mirrored` turns the mesh inside out as well.
@@ -58,4 +58,4 @@ TEST_F(Transforms, a_transformed_instance_is_the_mesh_built_in_place) {
     }
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::transform_test

@@ -10,7 +10,7 @@
 #include "session/film_state.h"
 #include "support/realtime_player.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::upscale_test {
 namespace {
 
 constexpr uint32_t kSize = 64;
@@ -206,4 +206,4 @@ TEST_F(Upscaling, what_cannot_be_upscaled_is_refused_in_a_line) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::upscale_test

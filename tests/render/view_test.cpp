@@ -12,7 +12,7 @@
 #include "support/gpu_fixture.h"
 #include "support/process.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::view_test {
 namespace {
 
 using Words = std::vector<std::string>;
@@ -129,4 +129,4 @@ TEST_F(Viewer, a_wrong_step_or_scene_is_one_line) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::view_test

@@ -7,7 +7,7 @@
 #include "support/gpu_fixture.h"
 #include "support/process.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::wavefront_cli_test {
 namespace {
 
 using Words = std::vector<std::string>;
@@ -103,4 +103,4 @@ TEST_F(WavefrontFiles, more_slots_than_there_may_be_are_wrong_usage) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::wavefront_cli_test

@@ -4,7 +4,7 @@
 
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::wavefront_equality_test {
 namespace {
 
 const std::vector<std::string> kAllAovs{"albedo", "normal", "emission", "roughness", "path.*", "variance", "depth", "ids", "motion"};
@@ -148,4 +148,4 @@ TEST_F(WavefrontPictures, blended_surfaces_let_the_same_samples_pass) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::wavefront_equality_test

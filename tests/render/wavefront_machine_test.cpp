@@ -7,7 +7,7 @@
 #include "scene/shapes.h"
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::wavefront_machine_test {
 namespace {
 
 constexpr uint32_t kSize = 20;
@@ -353,4 +353,4 @@ TEST_F(WavefrontCounts, a_coated_ball_in_the_open_is_met_once_a_path) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::wavefront_machine_test

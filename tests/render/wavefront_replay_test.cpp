@@ -3,7 +3,7 @@
 #include "session/scene_setup.h"
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::wavefront_replay_test {
 namespace {
 
 // What a tracing kernel left, and what the replay of its rays did.
@@ -113,4 +113,4 @@ TEST_F(WavefrontReplay, its_shares_are_of_all_rays_of_the_slice) {
     }
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::wavefront_replay_test

@@ -10,7 +10,7 @@
 #include "support/render_fixture.h"
 #include "support/statistics.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::world_cache_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -244,4 +244,4 @@ TEST_F(WorldCache, the_same_frames_give_the_same_bits_with_and_without_full_barr
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::world_cache_test

@@ -19,7 +19,7 @@
 #include "session/job.h"
 #include "support/gpu_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::assets_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -188,4 +188,4 @@ TEST_F(Assets, every_complete_model_is_drawn) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::assets_test

@@ -7,7 +7,7 @@
 #include "device/bsdf_device.h"
 #include "support/statistics.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::bsdf_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -95,4 +95,4 @@ TEST_F(BsdfAtLength, a_million_samples_follow_their_density) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::bsdf_test

@@ -12,7 +12,7 @@
 #include "bvh/bvh.h"
 #include "scene/load.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::build_speed_test {
 namespace {
 
 constexpr int kRounds = 3;
@@ -97,4 +97,4 @@ TEST(BuildSpeed, of_bottom_levels) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::build_speed_test

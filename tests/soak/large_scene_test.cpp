@@ -8,7 +8,7 @@
 #include "scene/builtin/scenes.h"
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::large_scene_test {
 namespace {
 
 constexpr uint32_t kTextures = 1000, kTextureSide = 256;
@@ -103,4 +103,4 @@ TEST_F(LargeScene, loads_in_slices_and_bounded_memory) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::large_scene_test

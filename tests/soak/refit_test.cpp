@@ -6,7 +6,7 @@
 
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::refit_test {
 namespace {
 
 constexpr uint32_t kSide = 224;  // 100,352 triangles
@@ -79,4 +79,4 @@ TEST_F(RefitTimes, a_hundred_thousand_triangles_are_refitted_in_two_milliseconds
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::refit_test

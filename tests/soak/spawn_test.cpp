@@ -1,7 +1,7 @@
 // A million rays that leave triangles of every size, in each way to trace: where the compared spawn offsets fail, as numbers.
 #include "support/spawn_rays.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::spawn_test {
 namespace {
 
 class SpawnMillion : public GpuTest {};
@@ -22,4 +22,4 @@ TEST_F(SpawnMillion, rays_by_error_bounds_never_meet_their_own_triangle) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::spawn_test

@@ -14,7 +14,7 @@
 #include "support/bvh_scene.h"
 #include "support/render_fixture.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::top_level_test {
 namespace {
 
 constexpr uint32_t kFrames = 21;
@@ -154,4 +154,4 @@ TEST_F(TopLevelSpeed, of_a_scene_that_moves) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::top_level_test

@@ -8,10 +8,10 @@ namespace parhelion::testing {
 
 namespace {
 
-struct Difference {
+struct Differs {
     std::string text;
 };
-[[noreturn]] void differ(const std::string& where, const std::string& what) { throw Difference{where + ": " + what}; }
+[[noreturn]] void differ(const std::string& where, const std::string& what) { throw Differs{where + ": " + what}; }
 
 template <class T>
 bool same_bits(const T& a, const T& b) {
@@ -326,7 +326,7 @@ private:
 std::string scene_difference(const Scene& a, const Scene& b) try {
     Comparer(a, b).compare();
     return {};
-} catch (const Difference& difference) {
+} catch (const Differs& difference) {
     return difference.text;
 }
 

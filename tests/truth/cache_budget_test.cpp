@@ -3,7 +3,7 @@
 
 #include "truth/truth.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::cache_budget_test {
 namespace {
 
 // Of the mean over the picture: in scenes with light that smooth surfaces throw at diffuse ones, and in others; and of the 95th percentile
@@ -101,4 +101,4 @@ TEST_P(RealtimeCut, the_first_frames_after_a_camera_cut_have_the_mean_of_any_fra
 INSTANTIATE_TEST_SUITE_P(Scenes, RealtimeCut, ::testing::ValuesIn(kCuts), [](const auto& entry) { return std::string(entry.param.name); });
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::cache_budget_test

@@ -9,7 +9,7 @@
 
 #include "truth/switched_room.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::change_test {
 namespace {
 
 struct SwitchCase {
@@ -193,4 +193,4 @@ TEST_F(RealtimeMovingLight, a_light_at_two_metres_a_second_is_at_most_twice_as_w
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::change_test

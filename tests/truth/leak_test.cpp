@@ -6,7 +6,7 @@
 #include "scene/shapes.h"
 #include "truth/truth.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::leak_test {
 namespace {
 
 constexpr double kLimit = 1e-3;  // of the bright side's mean
@@ -93,4 +93,4 @@ TEST_F(RealtimeLeaks, nothing_of_what_glows_in_the_boxes_is_seen_in_the_room) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::leak_test

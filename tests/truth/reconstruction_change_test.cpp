@@ -5,7 +5,7 @@
 
 #include "truth/switched_room.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::reconstruction_change_test {
 namespace {
 
 constexpr const char* kNames[] = {"sun", "lamp", "emissive_mesh"};  // of Lit
@@ -73,4 +73,4 @@ TEST_P(ReconstructionSwitch, frames_forget_a_light_that_goes_out_and_show_one_th
 INSTANTIATE_TEST_SUITE_P(Of, ReconstructionSwitch, ::testing::Values(Lit::Sun, Lit::Lamp, Lit::Mesh), [](const auto& entry) { return std::string(kNames[static_cast<int>(entry.param)]); });
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::reconstruction_change_test

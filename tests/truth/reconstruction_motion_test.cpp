@@ -11,7 +11,7 @@
 #include "scene/shapes.h"
 #include "truth/sequence.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::reconstruction_motion_test {
 namespace {
 
 constexpr double kAny = std::numeric_limits<double>::infinity();
@@ -240,4 +240,4 @@ TEST_P(ReconstructionStill, after_a_cut_frames_are_soon_clean_and_then_stand_sti
 INSTANTIATE_TEST_SUITE_P(Of, ReconstructionStill, ::testing::ValuesIn(kStill), [](const auto& entry) { return std::string(entry.param.scene); });
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::reconstruction_motion_test

@@ -10,7 +10,7 @@
 #include "scene/load.h"
 #include "truth/sequence.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::reconstruction_test {
 namespace {
 
 constexpr std::array kLooks{20u, 28u, 35u, 36u, 43u, 44u};  // of 16 to 47; FLIP of the even ones, flicker of those after another
@@ -93,4 +93,4 @@ TEST_P(RealtimeReconstruction, frames_of_a_moving_sequence_are_near_the_referenc
 INSTANTIATE_TEST_SUITE_P(Of, RealtimeReconstruction, ::testing::ValuesIn(kSequences), [](const auto& entry) { return std::string(entry.param.scene); });
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::reconstruction_test

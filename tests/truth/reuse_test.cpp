@@ -3,7 +3,7 @@
 
 #include "truth/equality.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::reuse_test {
 namespace {
 
 constexpr uint32_t kWarmUp = 32, kPilotFrames = 64;
@@ -48,4 +48,4 @@ TEST_P(RealtimeReuseStep, each_step_alone_has_the_mean_of_the_reference) {
 INSTANTIATE_TEST_SUITE_P(Steps, RealtimeReuseStep, ::testing::ValuesIn(kSteps), [](const auto& entry) { return std::string(entry.param.name); });
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::reuse_test

@@ -192,12 +192,6 @@ std::vector<float> luminance(const image::ImageF& picture, size_t first_channel)
     return out;
 }
 
-double mean_luminance(const image::ImageF& picture) {
-    double sum = 0;
-    for (const float v : luminance(picture)) sum += static_cast<double>(v);
-    return sum / static_cast<double>(picture.pixel_count());
-}
-
 void add_run(ClassRuns& runs, const image::ImageF& picture) {
     constexpr std::string_view kPrefix = "path.";
     for (size_t c = 0; c + 2 < picture.channels.size(); c += 3) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "support/budgets.h"
+#include "support/realtime_player.h"
 #include "support/render_fixture.h"
 
 namespace parhelion::testing {
@@ -97,7 +98,6 @@ private:
 };
 
 std::vector<float> luminance(const image::ImageF& picture, size_t first_channel = 0);
-double mean_luminance(const image::ImageF& picture);
 // Runs of one estimator: of the beauty ("picture") and each class ("direct_diffuse", ...).
 using ClassRuns = std::map<std::string, Runs>;
 void add_run(ClassRuns& runs, const image::ImageF& picture);

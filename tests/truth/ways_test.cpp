@@ -3,7 +3,7 @@
 
 #include "truth/truth.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::ways_test {
 namespace {
 
 constexpr const char* kScenes[] = {"cornell", "diorama", "glass"};
@@ -55,4 +55,4 @@ TEST_P(RealtimeWays, every_way_to_trace_gives_the_same_first_frame_and_the_same_
 INSTANTIATE_TEST_SUITE_P(Scenes, RealtimeWays, ::testing::ValuesIn(kScenes), [](const auto& entry) { return std::string(entry.param); });
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::ways_test

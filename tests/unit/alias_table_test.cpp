@@ -13,7 +13,7 @@
 #include "lib/alias.glsl"
 #include "support/statistics.h"
 
-namespace parhelion {
+namespace parhelion::alias_table_test {
 namespace {
 
 using sampling::AliasTable;
@@ -182,4 +182,4 @@ TEST(AliasTable, a_weight_that_is_no_weight_is_named) {
 }
 
 }  // namespace
-}  // namespace parhelion
+}  // namespace parhelion::alias_table_test

@@ -5,7 +5,7 @@
 
 #include "scene/animation.h"
 
-namespace parhelion {
+namespace parhelion::animation_test {
 
 namespace {
 
@@ -143,4 +143,4 @@ TEST(AnimationChoice, the_duration_is_that_of_the_last_key) {
     EXPECT_EQ(duration_of({}), 0.0f);
 }
 
-}  // namespace parhelion
+}  // namespace parhelion::animation_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace parhelion::image {
+namespace parhelion::image::block_decode_test {
 namespace {
 
 using Texel = std::array<int, 4>;
@@ -196,4 +196,4 @@ TEST(BlockDecode, images_that_are_no_multiple_of_four_are_cut_and_all_levels_dec
 }
 
 }  // namespace
-}  // namespace parhelion::image
+}  // namespace parhelion::image::block_decode_test

@@ -12,7 +12,7 @@
 #include "base/hash.h"
 #include "lib/sampler.glsl"
 
-namespace parhelion {
+namespace parhelion::blue_noise_test {
 namespace {
 
 constexpr uint32_t kSize = shared::kBlueNoiseSize;
@@ -98,4 +98,4 @@ TEST(BlueNoise, the_first_ranks_lie_apart) {
 }
 
 }  // namespace
-}  // namespace parhelion
+}  // namespace parhelion::blue_noise_test

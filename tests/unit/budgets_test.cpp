@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace parhelion::testing {
+namespace parhelion::testing::budgets_test {
 namespace {
 
 constexpr int kTrials = 2000;
@@ -74,4 +74,4 @@ TEST(Budgets, a_tenth_of_the_tiles_that_is_wrong_shows_in_their_quantile) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::budgets_test

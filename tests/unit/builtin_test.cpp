@@ -12,7 +12,7 @@
 #include "scene/shapes.h"
 #include "builtin_support.h"
 
-namespace parhelion {
+namespace parhelion::builtin_test {
 
 using namespace testing;
 
@@ -234,4 +234,4 @@ TEST(Shapes, a_textured_quad_shows_its_image_upright) {
         EXPECT_LT(glm::length(quad.uv0[i] - glm::vec2(quad.positions[i].x / 2, 1 - quad.positions[i].y)), 1e-6f);
 }
 
-}  // namespace parhelion
+}  // namespace parhelion::builtin_test

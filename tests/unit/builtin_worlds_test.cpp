@@ -15,7 +15,7 @@
 #include "scene/shapes.h"
 #include "support/bvh_scene.h"
 
-namespace parhelion {
+namespace parhelion::builtin_worlds_test {
 
 using namespace testing;
 
@@ -339,4 +339,4 @@ TEST(Shapes, appending_moves_positions_and_normals) {
     EXPECT_NEAR(signed_volume(two), 4.0 * signed_volume(make_rounded_box(glm::vec3(1.0f), 0.1f)), 1e-3);
 }
 
-}  // namespace parhelion
+}  // namespace parhelion::builtin_worlds_test

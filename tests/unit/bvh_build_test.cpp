@@ -14,7 +14,7 @@
 #include "base/error.h"
 #include "support/bvh_scene.h"
 
-namespace parhelion::bvh::testing {
+namespace parhelion::bvh::testing::bvh_build_test {
 namespace {
 
 using shared::BvhNode;
@@ -391,4 +391,4 @@ TEST_P(BvhBuild, an_instance_lies_within_its_world_box) {
 }
 
 }  // namespace
-}  // namespace parhelion::bvh::testing
+}  // namespace parhelion::bvh::testing::bvh_build_test

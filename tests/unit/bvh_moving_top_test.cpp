@@ -13,7 +13,7 @@
 #include "bvh/top_tree.h"
 #include "support/bvh_scene.h"
 
-namespace parhelion::bvh::testing {
+namespace parhelion::bvh::testing::bvh_moving_top_test {
 namespace {
 
 using shared::kBvhEmpty;
@@ -275,4 +275,4 @@ TEST(BvhMovingTopRule, the_number_of_threads_does_not_show) {
 }
 
 }  // namespace
-}  // namespace parhelion::bvh::testing
+}  // namespace parhelion::bvh::testing::bvh_moving_top_test

@@ -9,7 +9,7 @@
 #include "lib/bvh_nodes.glsl"
 #include "support/bvh_scene.h"
 
-namespace parhelion::bvh::testing {
+namespace parhelion::bvh::testing::bvh_nodes_test {
 namespace {
 
 using shared::kBvhEmpty;
@@ -125,4 +125,4 @@ TEST(BvhNodes, the_stack_holds_what_the_deepest_trees_leave_on_it) {
 }
 
 }  // namespace
-}  // namespace parhelion::bvh::testing
+}  // namespace parhelion::bvh::testing::bvh_nodes_test

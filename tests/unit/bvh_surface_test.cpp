@@ -6,7 +6,7 @@
 #include "lib/affine.glsl"
 #include "support/bvh_scene.h"
 
-namespace parhelion::bvh::testing {
+namespace parhelion::bvh::testing::bvh_surface_test {
 namespace {
 
 int sign(double x) { return (x > 0.0) - (x < 0.0); }
@@ -127,4 +127,4 @@ TEST(Affine, vectors_and_normals_follow_the_matrix) {
 }
 
 }  // namespace
-}  // namespace parhelion::bvh::testing
+}  // namespace parhelion::bvh::testing::bvh_surface_test

@@ -14,7 +14,7 @@
 #include "bvh/top_tree.h"
 #include "support/bvh_scene.h"
 
-namespace parhelion::bvh::testing {
+namespace parhelion::bvh::testing::bvh_top_test {
 namespace {
 
 using shared::kBvhEmpty;
@@ -199,4 +199,4 @@ TEST(BvhTop, hits_on_opaque_geometries_are_not_asked_about) {
 }
 
 }  // namespace
-}  // namespace parhelion::bvh::testing
+}  // namespace parhelion::bvh::testing::bvh_top_test

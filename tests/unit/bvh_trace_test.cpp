@@ -7,7 +7,7 @@
 
 #include "support/bvh_scene.h"
 
-namespace parhelion::bvh::testing {
+namespace parhelion::bvh::testing::bvh_trace_test {
 namespace {
 
 class BvhTrace : public EachLayout {};
@@ -289,4 +289,4 @@ TEST_P(BvhTrace, nothing_to_hit_is_no_hit) {
 }
 
 }  // namespace
-}  // namespace parhelion::bvh::testing
+}  // namespace parhelion::bvh::testing::bvh_trace_test

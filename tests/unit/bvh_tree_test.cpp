@@ -13,7 +13,7 @@
 #include "bvh/split.h"
 #include "support/bvh_scene.h"
 
-namespace parhelion::bvh::testing {
+namespace parhelion::bvh::testing::bvh_tree_test {
 namespace {
 
 std::vector<shared::BvhTriangle> triangles_of(const TestGeometry& geometry) {
@@ -227,4 +227,4 @@ TEST(BvhTree, building_takes_at_most_250_bytes_a_triangle) {
 #endif
 
 }  // namespace
-}  // namespace parhelion::bvh::testing
+}  // namespace parhelion::bvh::testing::bvh_tree_test

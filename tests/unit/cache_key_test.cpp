@@ -8,7 +8,7 @@
 
 #include "lib/cache_cell.glsl"
 
-namespace parhelion::shared {
+namespace parhelion::shared::cache_key_test {
 namespace {
 
 glm::vec3 random_direction(std::mt19937& random) {
@@ -256,4 +256,4 @@ TEST(CacheCells, moments_are_rounded_without_bias) {
 }
 
 }  // namespace
-}  // namespace parhelion::shared
+}  // namespace parhelion::shared::cache_key_test

@@ -10,7 +10,7 @@
 #include "session/scene_setup.h"
 #include "support/correlation.h"
 
-namespace parhelion {
+namespace parhelion::camera_motion_test {
 namespace {
 
 constexpr float kAspect = 1.5f;
@@ -129,4 +129,4 @@ TEST(CameraMotion, the_moments_of_samples_follow_no_number_of_a_pixel) {
 }
 
 }  // namespace
-}  // namespace parhelion
+}  // namespace parhelion::camera_motion_test

@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 
-namespace parhelion {
+namespace parhelion::camera_path_test {
 namespace {
 
 constexpr std::string_view kPath = R"({"schema": 1, "keys": [
@@ -72,4 +72,4 @@ TEST(CameraPath, what_is_wrong_with_a_file_is_one_clear_line) {
 }
 
 }  // namespace
-}  // namespace parhelion
+}  // namespace parhelion::camera_path_test

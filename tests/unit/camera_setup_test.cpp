@@ -13,7 +13,7 @@
 #include "scene/pose.h"
 #include "scene/shapes.h"
 
-namespace parhelion {
+namespace parhelion::camera_setup_test {
 namespace {
 
 std::string error_line(const std::function<void()>& run) {
@@ -147,4 +147,4 @@ TEST(CameraSetup, a_path_is_a_camera_for_any_scene) {
 }
 
 }  // namespace
-}  // namespace parhelion
+}  // namespace parhelion::camera_setup_test

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace parhelion {
+namespace parhelion::camera_test {
 
 namespace {
 
@@ -165,4 +165,4 @@ TEST(Camera, is_found_by_name_or_number_and_else_all_are_listed) {
     EXPECT_THROW(find_camera(Scene(), "0"), Error);
 }
 
-}  // namespace parhelion
+}  // namespace parhelion::camera_test

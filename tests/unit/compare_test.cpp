@@ -11,7 +11,7 @@
 #include "session/film_state.h"
 #include "support/process.h"
 
-namespace parhelion {
+namespace parhelion::compare_test {
 namespace {
 
 using testing::TemporaryFolder;
@@ -139,4 +139,4 @@ TEST_F(Compare, different_sizes_are_refused_by_name) {
     EXPECT_NE(error_line([&] { compare_files(b, a, "", {}, {}); }).find("is 8x8 pixels"), std::string::npos);
 }
 
-}  // namespace parhelion
+}  // namespace parhelion::compare_test

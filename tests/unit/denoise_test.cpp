@@ -14,7 +14,7 @@
 #include "support/environment.h"
 #include "support/process.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::denoise_test {
 namespace {
 
 image::ImageF picture() {
@@ -163,4 +163,4 @@ TEST(AsyncDenoiser, a_failure_is_thrown_where_the_picture_would_be_taken_unless_
     EXPECT_NO_THROW(EXPECT_FALSE(wait_for(denoiser)));
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::denoise_test

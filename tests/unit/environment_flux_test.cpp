@@ -8,7 +8,7 @@
 #include "image/image.h"
 #include "scene/environment_flux.h"
 
-namespace parhelion {
+namespace parhelion::environment_flux_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -79,4 +79,4 @@ TEST(EnvironmentFlux, black_stays_black_and_a_bright_texel_shines_as_far_as_the_
     EXPECT_NEAR(flux[2 * 16 + 1], flux[2 * 16 + 15], 1e-9 * flux[2 * 16 + 1]);
 }
 
-}  // namespace parhelion
+}  // namespace parhelion::environment_flux_test

@@ -14,7 +14,7 @@
 #include "image/encode.h"
 #include "shared/view.h"
 
-namespace parhelion::image {
+namespace parhelion::image::film_test {
 namespace {
 
 using Int128 = __int128;
@@ -269,4 +269,4 @@ TEST(Film, reading_refuses_files_that_are_no_film) {
     EXPECT_NE(error_of([&] { decode_film_exr(encode_uint_exr(odd)); }).find("version 2"), std::string::npos);
 }
 
-}  // namespace parhelion::image
+}  // namespace parhelion::image::film_test

@@ -13,7 +13,7 @@
 
 #include "image/decode.h"
 
-namespace parhelion::image {
+namespace parhelion::image::flip_test {
 namespace {
 
 const std::filesystem::path kData = std::filesystem::path(PARHELION_SOURCE_DIR) / "tests/unit/data/flip";
@@ -188,4 +188,4 @@ TEST(Flip, the_picture_of_the_map_grows_lighter_with_the_error) {
     EXPECT_GT(before, 0.9);
 }
 
-}  // namespace parhelion::image
+}  // namespace parhelion::image::flip_test

@@ -3,7 +3,7 @@
 
 #include "frame/listing.h"
 
-namespace parhelion {
+namespace parhelion::frame_listing_test {
 namespace {
 
 // Passes of one letter each, the n-th of n milliseconds.
@@ -59,4 +59,4 @@ TEST(FrameListing, passes_that_differ_in_what_they_touch_are_not_alike) {
     EXPECT_EQ(list_passes(passes, false).find("times:"), std::string::npos);
 }
 
-}  // namespace parhelion
+}  // namespace parhelion::frame_listing_test

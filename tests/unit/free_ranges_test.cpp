@@ -5,7 +5,7 @@
 
 #include "scene_gpu/ranges.h"
 
-namespace parhelion {
+namespace parhelion::free_ranges_test {
 namespace {
 
 TEST(FreeRanges, are_first_fit_and_join_their_neighbours) {
@@ -50,4 +50,4 @@ TEST(FreeRanges, never_give_the_same_number_twice) {
 }
 
 }  // namespace
-}  // namespace parhelion
+}  // namespace parhelion::free_ranges_test

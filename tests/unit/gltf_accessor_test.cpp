@@ -5,7 +5,7 @@
 
 #include "gltf_make.h"
 
-namespace parhelion::test {
+namespace parhelion::test::gltf_accessor_test {
 
 namespace {
 
@@ -177,4 +177,4 @@ TEST(GltfAccessor, a_buffer_that_is_shorter_than_it_says_is_refused) {
     EXPECT_CONTAINS(maker.error(), "buffers[0]: has no uri, and the file has no binary chunk");
 }
 
-}  // namespace parhelion::test
+}  // namespace parhelion::test::gltf_accessor_test

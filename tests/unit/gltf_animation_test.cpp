@@ -10,7 +10,7 @@
 #include "scene/info.h"
 #include "scene/load.h"
 
-namespace parhelion::test {
+namespace parhelion::test::gltf_animation_test {
 
 namespace {
 
@@ -180,4 +180,4 @@ TEST(SceneInfo, counts_meshes_at_rest_and_names_skins_and_morph_targets) {
     EXPECT_CONTAINS(text, "morphs       'face': 2 targets (smile)");
 }
 
-}  // namespace parhelion::test
+}  // namespace parhelion::test::gltf_animation_test

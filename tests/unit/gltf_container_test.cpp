@@ -7,7 +7,7 @@
 #include "image/encode.h"
 #include "scene/gltf/json.h"
 
-namespace parhelion::test {
+namespace parhelion::test::gltf_container_test {
 
 namespace {
 
@@ -209,4 +209,4 @@ TEST(GltfContainer, random_damage_never_does_more_than_fail) {
     EXPECT_LT(refused, kRuns);
 }
 
-}  // namespace parhelion::test
+}  // namespace parhelion::test::gltf_container_test

@@ -12,7 +12,7 @@
 #include "scene/deform.h"
 #include "scene/pose.h"
 
-namespace parhelion::test {
+namespace parhelion::test::gltf_draco_test {
 
 namespace {
 
@@ -373,4 +373,4 @@ TEST(GltfDraco, random_damage_never_does_more_than_fail) {
     EXPECT_LT(refused, kRuns);
 }
 
-}  // namespace parhelion::test
+}  // namespace parhelion::test::gltf_draco_test

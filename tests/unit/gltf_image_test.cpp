@@ -6,7 +6,7 @@
 #include "image/encode.h"
 #include "support/ktx2_writer.h"
 
-namespace parhelion::test {
+namespace parhelion::test::gltf_image_test {
 
 namespace {
 
@@ -129,4 +129,4 @@ TEST(GltfImages, keep_their_files_where_that_is_asked_for) {
     }
 }
 
-}  // namespace parhelion::test
+}  // namespace parhelion::test::gltf_image_test

@@ -3,7 +3,7 @@
 
 #include "gltf_make.h"
 
-namespace parhelion::test {
+namespace parhelion::test::gltf_instancing_test {
 
 namespace {
 
@@ -93,4 +93,4 @@ TEST(GltfInstancing, counts_that_differ_or_take_all_memory_and_places_beyond_mea
     EXPECT_CONTAINS(file.maker.error(), "beyond all measure");
 }
 
-}  // namespace parhelion::test
+}  // namespace parhelion::test::gltf_instancing_test

@@ -6,7 +6,7 @@
 #include "gltf_make.h"
 #include "image/encode.h"
 
-namespace parhelion::test {
+namespace parhelion::test::gltf_material_extension_test {
 
 namespace {
 
@@ -223,4 +223,4 @@ TEST(GltfMaterialExtensions, specular_glossiness_becomes_a_dielectric_that_refle
     EXPECT_CONTAINS(scene.source().warnings[0], "KHR_materials_pbrSpecularGlossiness is archived and approximated");
 }
 
-}  // namespace parhelion::test
+}  // namespace parhelion::test::gltf_material_extension_test

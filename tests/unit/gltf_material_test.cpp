@@ -6,7 +6,7 @@
 #include "gltf_make.h"
 #include "image/encode.h"
 
-namespace parhelion::test {
+namespace parhelion::test::gltf_material_test {
 
 namespace {
 
@@ -213,4 +213,4 @@ TEST(GltfMaterials, only_what_the_scene_shows_is_decoded) {
     EXPECT_CONTAINS(maker.error(), "images[0]");
 }
 
-}  // namespace parhelion::test
+}  // namespace parhelion::test::gltf_material_test

@@ -6,7 +6,7 @@
 
 #include "gltf_make.h"
 
-namespace parhelion::test {
+namespace parhelion::test::gltf_mesh_test {
 
 namespace {
 
@@ -174,4 +174,4 @@ TEST(GltfMesh, triangles_are_median_ordered_on_import_and_stay_the_same_set) {
     EXPECT_LT(left, right);
 }
 
-}  // namespace parhelion::test
+}  // namespace parhelion::test::gltf_mesh_test

@@ -7,7 +7,7 @@
 
 #include "gltf_make.h"
 
-namespace parhelion::test {
+namespace parhelion::test::gltf_meshopt_test {
 
 namespace {
 
@@ -235,4 +235,4 @@ TEST(GltfMeshopt, random_damage_never_does_more_than_fail) {
     EXPECT_LT(refused, kRuns);
 }
 
-}  // namespace parhelion::test
+}  // namespace parhelion::test::gltf_meshopt_test

@@ -6,7 +6,7 @@
 #include "gltf_make.h"
 #include "scene/gltf/json.h"
 
-namespace parhelion::test {
+namespace parhelion::test::gltf_node_test {
 
 namespace {
 
@@ -241,4 +241,4 @@ TEST(GltfNodes, punctual_lights_of_all_kinds_are_read_in_their_units) {
     EXPECT_CONTAINS(maker.error(), "nodes[2].extensions.KHR_lights_punctual.light: names light 2, but the file has 2");
 }
 
-}  // namespace parhelion::test
+}  // namespace parhelion::test::gltf_node_test

@@ -3,7 +3,7 @@
 
 #include "gltf_make.h"
 
-namespace parhelion::test {
+namespace parhelion::test::gltf_quantization_test {
 
 namespace {
 
@@ -131,4 +131,4 @@ TEST(GltfQuantization, elements_out_of_line_are_read_with_a_warning) {
     EXPECT_CONTAINS(other.source().warnings.at(0), "its components of 2 bytes are not aligned");
 }
 
-}  // namespace parhelion::test
+}  // namespace parhelion::test::gltf_quantization_test

@@ -7,7 +7,7 @@
 #include "scene/deform.h"
 #include "scene/pose.h"
 
-namespace parhelion::test {
+namespace parhelion::test::gltf_skin_test {
 
 namespace {
 
@@ -245,4 +245,4 @@ TEST(GltfMorph, made_vertices_keep_their_targets_and_joints_and_stay_flat) {
     }
 }
 
-}  // namespace parhelion::test
+}  // namespace parhelion::test::gltf_skin_test

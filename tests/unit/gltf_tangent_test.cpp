@@ -6,7 +6,7 @@
 #include "scene/shapes.h"
 #include "scene/tangents.h"
 
-namespace parhelion::test {
+namespace parhelion::test::gltf_tangent_test {
 
 namespace {
 
@@ -116,4 +116,4 @@ TEST(Tangents, of_a_sphere_match_the_analytic_ones) {
     }
 }
 
-}  // namespace parhelion::test
+}  // namespace parhelion::test::gltf_tangent_test

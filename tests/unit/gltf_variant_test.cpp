@@ -5,7 +5,7 @@
 #include "scene/info.h"
 #include "scene/load.h"
 
-namespace parhelion::test {
+namespace parhelion::test::gltf_variant_test {
 
 namespace {
 
@@ -109,4 +109,4 @@ TEST(GltfVariants, meshes_get_the_tangents_that_any_of_their_materials_needs) {
     EXPECT_EQ(only_primitive(maker.load()).tangents.size(), 3u);
 }
 
-}  // namespace parhelion::test
+}  // namespace parhelion::test::gltf_variant_test

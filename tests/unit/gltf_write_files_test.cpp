@@ -12,7 +12,7 @@
 #include "support/everything_scene.h"
 #include "support/scene_compare.h"
 
-namespace parhelion::test {
+namespace parhelion::test::gltf_write_files_test {
 
 namespace fs = std::filesystem;
 
@@ -104,4 +104,4 @@ TEST_F(GltfWriteFiles, a_failure_leaves_nothing_behind) {
 // A folder in which nothing can be made, for root too.
 TEST_F(GltfWriteFiles, a_read_only_folder_is_one_clear_line) { EXPECT_CONTAINS(error_of_writing("/proc/s.glb"), "/proc/s.glb: cannot be written"); }
 
-}  // namespace parhelion::test
+}  // namespace parhelion::test::gltf_write_files_test

@@ -14,7 +14,7 @@
 #include "support/everything_scene.h"
 #include "support/scene_compare.h"
 
-namespace parhelion::test {
+namespace parhelion::test::gltf_write_test {
 
 namespace {
 
@@ -251,4 +251,4 @@ TEST(GltfWrite, a_glb_that_would_be_too_large_is_refused_with_the_way_out) {
     }
 }
 
-}  // namespace parhelion::test
+}  // namespace parhelion::test::gltf_write_test

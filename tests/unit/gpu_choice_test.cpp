@@ -6,7 +6,7 @@
 #include "gpu/internal.h"
 #include "support/gpu_helpers.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::gpu_choice_test {
 namespace {
 
 using gpu::DeviceCaps;
@@ -98,4 +98,4 @@ TEST(Results, a_failed_call_is_named_with_its_result) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::gpu_choice_test

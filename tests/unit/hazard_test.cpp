@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace parhelion {
+namespace parhelion::hazard_test {
 namespace {
 
 using gpu::Use;
@@ -83,4 +83,4 @@ TEST(HazardTracker, a_long_run_stays_small_and_right) {
     }
 }
 
-}  // namespace parhelion
+}  // namespace parhelion::hazard_test

@@ -15,7 +15,7 @@
 #include "image/encode.h"
 #include "image/film.h"
 
-namespace parhelion::image {
+namespace parhelion::image::image_decode_test {
 namespace {
 
 using Bytes = std::vector<std::byte>;
@@ -359,4 +359,4 @@ TEST(DecodeImage, flipped_bits_give_an_image_or_an_error) {
     }
 }
 
-}  // namespace parhelion::image
+}  // namespace parhelion::image::image_decode_test

@@ -12,7 +12,7 @@
 #include "base/error.h"
 #include "base/file.h"
 
-namespace parhelion::image {
+namespace parhelion::image::image_encode_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -145,4 +145,4 @@ TEST(ImageFiles, a_target_that_cannot_be_written_is_an_error_that_names_it) {
     }
 }
 
-}  // namespace parhelion::image
+}  // namespace parhelion::image::image_encode_test

@@ -18,7 +18,7 @@
 #include "base/file.h"
 #include "scene/load.h"
 
-namespace parhelion {
+namespace parhelion::malformed_assets_test {
 
 namespace fs = std::filesystem;
 
@@ -178,4 +178,4 @@ TEST(MalformedAssets, are_refused_or_warned_as_the_validator_asks_within_ten_sec
     comparison.print();
 }
 
-}  // namespace parhelion
+}  // namespace parhelion::malformed_assets_test

@@ -12,7 +12,7 @@
 #include "base/error.h"
 #include "image/compare.h"
 
-namespace parhelion::image {
+namespace parhelion::image::metrics_test {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();
@@ -227,4 +227,4 @@ TEST(Comparison, the_automatic_exposure_brings_the_lit_pixels_to_middle_grey) {
     EXPECT_EQ(auto_exposure_scale(rgb_planes(make_image(4, 4, {"R", "G", "B"}))), 1.0);
 }
 
-}  // namespace parhelion::image
+}  // namespace parhelion::image::metrics_test

@@ -11,7 +11,7 @@
 #include "session/options.h"
 #include "session/render_options.h"
 
-namespace parhelion {
+namespace parhelion::options_test {
 namespace {
 
 using Words = std::vector<std::string>;
@@ -369,4 +369,4 @@ TEST(Help, roff_escapes_what_would_be_a_request) {
         }
 }
 
-}  // namespace parhelion
+}  // namespace parhelion::options_test

@@ -8,7 +8,7 @@
 #include "scene/deform.h"
 #include "scene/pose.h"
 
-namespace parhelion {
+namespace parhelion::pose_test {
 
 namespace {
 
@@ -322,4 +322,4 @@ TEST(Pose, a_scene_that_nothing_moves_stays_untouched) {
     EXPECT_TRUE(pose_at(scene, 3.0).empty());
 }
 
-}  // namespace parhelion
+}  // namespace parhelion::pose_test

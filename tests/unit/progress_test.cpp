@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace parhelion {
+namespace parhelion::progress_test {
 namespace {
 
 struct Recorder {
@@ -87,4 +87,4 @@ TEST(Progress, durations_are_rounded_for_people) {
     EXPECT_EQ(format_duration(-1), "0.0 s");
 }
 
-}  // namespace parhelion
+}  // namespace parhelion::progress_test

@@ -2,7 +2,7 @@
 #include "bvh/refit.h"
 #include "support/bvh_scene.h"
 
-namespace parhelion::bvh::testing {
+namespace parhelion::bvh::testing::refit_plan_test {
 namespace {
 
 class RefitPlans : public EachLayout {};
@@ -99,4 +99,4 @@ TEST_P(RefitPlans, one_triangle_is_a_tree_too) {
 }
 
 }  // namespace
-}  // namespace parhelion::bvh::testing
+}  // namespace parhelion::bvh::testing::refit_plan_test

@@ -13,7 +13,7 @@
 #include "sampling/path_sampler.h"
 #include "support/statistics.h"
 
-namespace parhelion {
+namespace parhelion::sampler_convergence_test {
 namespace {
 
 using sampling::make_sampler;
@@ -197,4 +197,4 @@ TEST(SamplerConvergence, the_star_discrepancy_of_64_samples_is_less_than_half_of
 }
 
 }  // namespace
-}  // namespace parhelion
+}  // namespace parhelion::sampler_convergence_test

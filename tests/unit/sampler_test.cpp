@@ -12,7 +12,7 @@
 #include "support/correlation.h"
 #include "support/statistics.h"
 
-namespace parhelion {
+namespace parhelion::sampler_test {
 namespace {
 
 using sampling::make_sampler;
@@ -279,4 +279,4 @@ TEST(Sampler, alpha_tests_of_two_surfaces_or_two_rays_are_independent) {
 }
 
 }  // namespace
-}  // namespace parhelion
+}  // namespace parhelion::sampler_test

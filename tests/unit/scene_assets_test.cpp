@@ -8,7 +8,7 @@
 #include "scene/load.h"
 #include "scene/tangents.h"
 
-namespace parhelion {
+namespace parhelion::scene_assets_test {
 
 namespace {
 
@@ -116,4 +116,4 @@ TEST(SceneAssets, generated_tangents_agree_with_those_of_exporters) {
     EXPECT_GT(double(same_side) / double(compared), 0.99);
 }
 
-}  // namespace parhelion
+}  // namespace parhelion::scene_assets_test

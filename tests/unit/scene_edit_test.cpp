@@ -7,7 +7,7 @@
 
 #include "scene/scene.h"
 
-namespace parhelion {
+namespace parhelion::scene_edit_test {
 
 namespace {
 
@@ -422,4 +422,4 @@ TEST(SceneEdit, many_random_edits_agree_with_a_simple_model) {
     EXPECT_GT(alive, 100u);
 }
 
-}  // namespace parhelion
+}  // namespace parhelion::scene_edit_test

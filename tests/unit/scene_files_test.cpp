@@ -17,7 +17,7 @@
 #include "gltf_make.h"
 #include "scene/load.h"
 
-namespace parhelion::test {
+namespace parhelion::test::scene_files_test {
 
 namespace fs = std::filesystem;
 
@@ -235,4 +235,4 @@ TEST(DataUris, base64_of_all_lengths_comes_back) {
     }
 }
 
-}  // namespace parhelion::test
+}  // namespace parhelion::test::scene_files_test

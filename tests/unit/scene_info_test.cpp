@@ -5,7 +5,7 @@
 #include "scene/gltf/extensions.h"
 #include "scene/info.h"
 
-namespace parhelion::test {
+namespace parhelion::test::scene_info_test {
 
 namespace {
 
@@ -78,4 +78,4 @@ TEST(GltfExtensions, are_known_by_their_whole_names) {
     for (const char* name : {"", "KHR_materials_vol", "KHR_materials_volume_scatter", "khr_materials_volume"}) EXPECT_EQ(extension_use(name), ExtensionUse::Unknown);
 }
 
-}  // namespace parhelion::test
+}  // namespace parhelion::test::scene_info_test

@@ -11,7 +11,7 @@
 #include "scene/info.h"
 #include "scene/load.h"
 
-namespace parhelion::test {
+namespace parhelion::test::scene_load_test {
 
 namespace fs = std::filesystem;
 
@@ -115,4 +115,4 @@ TEST(SceneInfo, escapes_names_that_come_from_files) {
     EXPECT_FALSE(contains(text, "X\n,"));
 }
 
-}  // namespace parhelion::test
+}  // namespace parhelion::test::scene_load_test

@@ -9,7 +9,7 @@
 
 #include "scene/shapes.h"
 
-namespace parhelion {
+namespace parhelion::scene_median_order_test {
 
 namespace {
 
@@ -94,4 +94,4 @@ TEST(MedianOrder, bears_empty_tiny_and_coincident_meshes) {
     EXPECT_NO_THROW(order_triangles_by_median(far));
 }
 
-}  // namespace parhelion
+}  // namespace parhelion::scene_median_order_test

@@ -11,7 +11,7 @@
 
 #include "support/process.h"
 
-namespace parhelion {
+namespace parhelion::seeded_bugs_test {
 namespace {
 
 std::string read(const std::filesystem::path& file) {
@@ -82,4 +82,4 @@ TEST(SeededBugs, a_test_that_fails_or_crashes_kills_a_bug_and_a_program_that_can
 }
 
 }  // namespace
-}  // namespace parhelion
+}  // namespace parhelion::seeded_bugs_test

@@ -19,7 +19,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace parhelion {
+namespace parhelion::session_test {
 namespace {
 
 using testing::TemporaryFolder;
@@ -321,4 +321,4 @@ TEST(RenderOptions, the_aovs_of_the_table_are_those_of_the_film) {
     EXPECT_EQ(named, film);
 }
 
-}  // namespace parhelion
+}  // namespace parhelion::session_test

@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "support/pack_writer.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::shader_pack_test {
 namespace {
 
 using gpu::ShaderCode;
@@ -108,4 +108,4 @@ TEST(ShaderPack, wrong_contents_are_refused) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::shader_pack_test

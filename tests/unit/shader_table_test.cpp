@@ -3,14 +3,14 @@
 
 #include <gtest/gtest.h>
 
-namespace parhelion::gpu {
+namespace parhelion::gpu::shader_table_test {
 namespace {
 
 TEST(ShaderTable, records_and_regions_are_aligned_and_apart_for_any_limits) {
     for (const uint64_t handle : {16u, 32u, 48u, 64u})
         for (const uint64_t handle_alignment : {1u, 8u, 16u, 32u, 64u})
             for (const uint64_t base : {1u, 16u, 32u, 64u, 128u, 256u}) {
-                SCOPED_TRACE(testing::Message() << handle << " bytes, aligned to " << handle_alignment << ", regions to " << base);
+                SCOPED_TRACE(::testing::Message() << handle << " bytes, aligned to " << handle_alignment << ", regions to " << base);
                 const ShaderTableLayout at = layout_shader_table(handle, handle_alignment, base);
                 EXPECT_GE(at.stride, handle);
                 EXPECT_EQ(at.stride % handle_alignment, 0u);
@@ -38,4 +38,4 @@ TEST(ShaderTable, usual_devices_get_the_tables_that_they_are_known_for) {
 }
 
 }  // namespace
-}  // namespace parhelion::gpu
+}  // namespace parhelion::gpu::shader_table_test

@@ -8,7 +8,7 @@
 #include "image/image.h"
 #include "scene/shown_texture.h"
 
-namespace parhelion {
+namespace parhelion::shown_texture_test {
 namespace {
 
 constexpr double kUnlimited = 1e9;
@@ -205,4 +205,4 @@ TEST(ShownTexture, a_million_triangles_take_seconds) {
     EXPECT_NEAR(sum / double(means.size()), whole / (1024.0 * 1024.0), 0.001 * sum / double(means.size()));
 }
 
-}  // namespace parhelion
+}  // namespace parhelion::shown_texture_test

@@ -9,7 +9,7 @@
 #include "scene/atmosphere.h"
 #include "scene/scene.h"
 
-namespace parhelion {
+namespace parhelion::sky_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -123,4 +123,4 @@ TEST(Sky, it_is_a_valid_part_of_a_scene_and_the_same_every_time) {
 }
 
 }  // namespace
-}  // namespace parhelion
+}  // namespace parhelion::sky_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace parhelion {
+namespace parhelion::slicer_test {
 namespace {
 
 // A machine that needs `seconds_per_work` for a pixel-sample. Returns the longest slice after the first.
@@ -63,4 +63,4 @@ TEST(Slicer, rows_that_miss_their_block_are_known) {
     EXPECT_TRUE(seen);
 }
 
-}  // namespace parhelion
+}  // namespace parhelion::slicer_test

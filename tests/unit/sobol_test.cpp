@@ -8,7 +8,7 @@
 #include "lib/hash.glsl"
 #include "lib/sobol.glsl"
 
-namespace parhelion {
+namespace parhelion::sobol_test {
 namespace {
 
 using shared::kSobolDimensions;
@@ -133,4 +133,4 @@ TEST(OwenScrambling, flips_every_bit_half_the_time) {
 }
 
 }  // namespace
-}  // namespace parhelion
+}  // namespace parhelion::sobol_test

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace parhelion::testing {
+namespace parhelion::testing::statistics_test {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -330,4 +330,4 @@ TEST(SlopeFit, recovers_a_line_and_its_error) {
     EXPECT_THROW(fit_slope(std::vector<double>{1, 1, 1}, std::vector<double>{1, 2, 3}), std::invalid_argument);
 }
 
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::statistics_test

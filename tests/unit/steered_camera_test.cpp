@@ -5,7 +5,7 @@
 
 #include "session/steered_camera.h"
 
-namespace parhelion {
+namespace parhelion::steered_camera_test {
 namespace {
 
 constexpr float kQuarter = std::numbers::pi_v<float> / 2;
@@ -92,4 +92,4 @@ TEST(SteeredCamera, orbits_begin_about_the_middle_of_the_scene_if_it_lies_ahead)
 }
 
 }  // namespace
-}  // namespace parhelion
+}  // namespace parhelion::steered_camera_test

@@ -13,7 +13,7 @@
 #include "image/decode.h"
 #include "support/ktx2_writer.h"
 
-namespace parhelion::image {
+namespace parhelion::image::texture_decode_test {
 namespace {
 
 using Bytes = std::vector<std::byte>;
@@ -257,4 +257,4 @@ TEST(TextureFiles, changed_anywhere_they_give_an_image_or_an_error) {
     }
 }
 
-}  // namespace parhelion::image
+}  // namespace parhelion::image::texture_decode_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace parhelion::image {
+namespace parhelion::image::tonemap_test {
 namespace {
 
 constexpr std::array kCurves = {ToneCurve::Linear, ToneCurve::Aces, ToneCurve::Agx};
@@ -91,4 +91,4 @@ TEST(Tonemap, layers_are_chosen_by_name) {
     EXPECT_EQ(tonemap_to_srgb(image, ToneCurve::Linear, 1.0, "depth").rgb, (std::vector<uint8_t>{188, 188, 188}));
 }
 
-}  // namespace parhelion::image
+}  // namespace parhelion::image::tonemap_test

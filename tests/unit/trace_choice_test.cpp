@@ -12,7 +12,7 @@
 #include "session/trace_bench.h"
 #include "support/process.h"
 
-namespace parhelion::testing {
+namespace parhelion::testing::trace_choice_test {
 namespace {
 
 gpu::DeviceCaps device(std::string name, uint32_t vendor, gpu::DeviceType type, bool pipeline, bool query) {
@@ -185,4 +185,4 @@ TEST(TraceBench, tracers_that_disagree_are_an_error_that_says_where) {
 }
 
 }  // namespace
-}  // namespace parhelion::testing
+}  // namespace parhelion::testing::trace_choice_test

@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "session/render_options.h"
 
-namespace parhelion {
+namespace parhelion::view_options_test {
 namespace {
 
 RenderOptions parse_view(const std::vector<std::string>& words) {
@@ -43,4 +43,4 @@ TEST(ViewOptions, what_belongs_to_a_finished_picture_alone_is_refused) {
 }
 
 }  // namespace
-}  // namespace parhelion
+}  // namespace parhelion::view_options_test

@@ -5,7 +5,7 @@
 
 #include "session/job.h"
 
-namespace parhelion {
+namespace parhelion::wavefront_report_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -98,4 +98,4 @@ TEST(WavefrontReport, its_rays_a_second_count_the_time_of_all_its_kernels) {
     EXPECT_DOUBLE_EQ(report.mega_rays_per_second(), 42000 / 0.006 / 1e6);
 }
 
-}  // namespace parhelion
+}  // namespace parhelion::wavefront_report_test

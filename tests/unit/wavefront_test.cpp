@@ -6,7 +6,7 @@
 #include "passes/wavefront/wavefront.h"
 #include "session/render_settings.h"
 
-namespace parhelion {
+namespace parhelion::wavefront_test {
 namespace {
 
 TEST(WavefrontState, a_path_takes_at_most_200_bytes_in_every_machine_of_one_vertex_a_round) {
@@ -70,4 +70,4 @@ TEST(WavefrontSettings, wrong_ones_are_named) {
 }
 
 }  // namespace
-}  // namespace parhelion
+}  // namespace parhelion::wavefront_test

@@ -19,8 +19,8 @@ uint32_t list_of(WavefrontTraced what) { return what == WavefrontTraced::Rays ? 
 const char* defines(WavefrontTraced what) { return what == WavefrontTraced::Rays ? "" : "+SHADOWS"; }
 
 void over_all(Pass& kernel, uint64_t count) {
-    constexpr uint64_t kRow = uint64_t{1} << 20;
-    kernel.over(static_cast<uint32_t>(std::min(count, kRow)), static_cast<uint32_t>((count + kRow - 1) / kRow));
+    constexpr uint64_t kRays = uint64_t{1} << 20;
+    kernel.over(static_cast<uint32_t>(std::min(count, kRays)), static_cast<uint32_t>((count + kRays - 1) / kRays));
 }
 
 }  // namespace

@@ -8,7 +8,6 @@ namespace parhelion::builtin {
 
 namespace {
 
-constexpr double kTurn = 6.283185307179586;
 
 void add_pot(Model& model, const Palette& palette, float radius, float height, Handle<Material> material) {
     const float r = radius, h = height;

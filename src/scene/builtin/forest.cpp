@@ -14,7 +14,6 @@ namespace parhelion::builtin {
 
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr uint32_t kSeed = 1887u;
 constexpr float kGoldenAngle = 2.39996323f;
 constexpr float kSpacing = 2.7f;  // metres between trees, about

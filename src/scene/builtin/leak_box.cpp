@@ -10,7 +10,6 @@ namespace parhelion::builtin {
 
 namespace {
 
-constexpr double kTurn = 6.283185307179586;
 constexpr glm::vec3 kRoomMin(-3.0f, 0.0f, -2.5f), kRoomMax(3.0f, 3.0f, 2.5f);
 // The boxes sink into the floor by this much, so that no two faces lie in one plane.
 constexpr float kSunk = 0.001f;

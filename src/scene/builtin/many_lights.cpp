@@ -13,7 +13,6 @@ namespace {
 
 constexpr uint32_t kBoxes = 8000, kLightsAcross = 21, kKinds = 64;
 constexpr float kHalfField = 200.0f, kPitch = 20.0f, kLightHeight = 7.0f;
-constexpr double kTurn = 6.283185307179586;
 
 void add_field(SceneEdit& edit) {
     Material field = glossy("field", glm::vec3(1.0f), 0.0f, 0.0f);

@@ -51,9 +51,8 @@ Textures add_textures(SceneEdit& edit) {
                           square_image("bumps", 64,
                                      [](float u, float v) {
                                          // Round bumps, 4 x 4: the slope of a cosine, green pointing up in the image.
-                                         constexpr float kTurn = 6.2831853f;
                                          const glm::vec3 n = glm::normalize(
-                                             glm::vec3(0.5f * std::sin(kTurn * 4.0f * u), -0.5f * std::sin(kTurn * 4.0f * v), 1.0f));
+                                             glm::vec3(0.5f * std::sin(float(kTurn) * 4.0f * u), -0.5f * std::sin(float(kTurn) * 4.0f * v), 1.0f));
                                          return glm::vec4(0.5f * n + 0.5f, 1.0f);
                                      }),
                           ColorSpace::Linear);
@@ -194,7 +193,6 @@ LoadedScene make_textured(const BuiltinOptions&) {
     const Handle<Node> moving = changes.resolve(statues);
     out.scripted_edits.push_back(
         {"sway", "the statues move sideways and back, once in 4 seconds", [moving](const Scene&, double seconds) {
-             constexpr double kTurn = 6.283185307179586;
              SceneEdit step;
              step.set_transform(moving, {.translation = {float(0.3 * std::sin(kTurn * seconds / 4.0)), 0.0f, 0.0f}});
              return step;
@@ -202,7 +200,6 @@ LoadedScene make_textured(const BuiltinOptions&) {
     const Handle<Light> light = *out.scene.lights().handle_at(0);
     const Light lit = out.scene.get(light);
     out.scripted_edits.push_back({"flicker", "the lamp's brightness swings, once a second", [light, lit](const Scene&, double seconds) {
-                                      constexpr double kTurn = 6.283185307179586;
                                       Light now = lit;
                                       now.intensity = lit.intensity * float(1.0 + 0.5 * std::sin(kTurn * seconds));
                                       SceneEdit step;

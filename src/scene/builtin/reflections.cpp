@@ -10,7 +10,6 @@ namespace parhelion::builtin {
 
 namespace {
 
-constexpr double kTurn = 6.283185307179586;
 constexpr float kRoughness[] = {0.0f, 0.0314f, 0.12f, 0.24f, 1.0f};
 constexpr glm::vec3 kHallMin(-9.0f, 0.0f, -10.5f), kHallMax(9.0f, 8.0f, 10.5f);
 
@@ -123,7 +122,7 @@ Moving add_things(SceneEdit& edit) {
     return moving;
 }
 
-Transform ball_at(double seconds) {
+Transform rolling_ball_at(double seconds) {
     const double x = -6.0 * back_and_forth(seconds, 12.0);
     return {.translation = {float(x), 0.7f, 4.4f}, .rotation = glm::angleAxis(float(-x / 0.7), glm::vec3(0.0f, 0.0f, 1.0f))};
 }
@@ -153,7 +152,7 @@ LoadedScene make_reflections(const BuiltinOptions&) {
     add_hall(edit);
     add_samples(edit);
     const Moving moving = add_things(edit);
-    edit.set_transform(moving.ball, ball_at(0.0));
+    edit.set_transform(moving.ball, rolling_ball_at(0.0));
     edit.set_transform(moving.cube, cube_at(0.0));
     add_camera(edit, "hall", {0.6f, 3.2f, 9.6f}, {0.0f, 1.3f, -2.0f}, glm::radians(52.0f));
     add_camera(edit, "between mirrors", {5.6f, 2.2f, 0.6f}, {-8.3f, 2.2f, -3.6f}, glm::radians(50.0f));
@@ -162,7 +161,7 @@ LoadedScene make_reflections(const BuiltinOptions&) {
     LoadedScene out;
     const ChangeSet changes = out.scene.apply(std::move(edit));
     out.scripted_edits.push_back(
-        mover("roll", "a striped ball rolls past the mirrors and back, once in 12 seconds", changes.resolve(moving.ball), ball_at));
+        mover("roll", "a striped ball rolls past the mirrors and back, once in 12 seconds", changes.resolve(moving.ball), rolling_ball_at));
     out.scripted_edits.push_back(
         mover("orbit", "a copper cube circles the room, once in 10 seconds", changes.resolve(moving.cube), cube_at));
     out.scripted_edits.push_back(mover("panel", "the large mirror slides and turns", changes.resolve(moving.panel), panel_at));

@@ -27,7 +27,7 @@ constexpr RoomSize kRoomSizes[] = {
 constexpr uint32_t kWallCells = 8, kShapes = 4;
 constexpr glm::vec3 kRoomMin(-5.0f, 0.0f, -5.0f), kRoomMax(5.0f, 6.0f, 5.0f);
 constexpr float kCameraAisle = 1.2f;  // metres in front of the wall z = 5 without spheres
-constexpr float kTurn = 6.2831853f, kBump = 0.15f;
+constexpr float kBump = 0.15f;
 
 const RoomSize& nearest_size(uint64_t triangles) {
     const RoomSize* best = &kRoomSizes[0];
@@ -45,7 +45,7 @@ struct Bumps {
     explicit Bumps(Random random) {
         for (int i = 0; i < 3; ++i) {
             wave[i] = {random.range(-9.0f, 9.0f), random.range(-9.0f, 9.0f), random.range(-9.0f, 9.0f)};
-            phase[i] = random.range(0.0f, kTurn);
+            phase[i] = random.range(0.0f, float(kTurn));
         }
     }
     float radius(glm::vec3 direction) const {
@@ -62,7 +62,7 @@ Primitive make_bumpy_sphere(const RoomSize& size, const Bumps& bumps) {
     add({0.0f, 1.0f, 0.0f});
     for (uint32_t row = 1; row < size.rings; ++row)
         for (uint32_t column = 0; column < size.segments; ++column) {
-            const float theta = 0.5f * kTurn * float(row) / float(size.rings), phi = kTurn * float(column) / float(size.segments);
+            const float theta = 0.5f * float(kTurn) * float(row) / float(size.rings), phi = float(kTurn) * float(column) / float(size.segments);
             add({std::sin(theta) * std::sin(phi), std::cos(theta), std::sin(theta) * std::cos(phi)});
         }
     add({0.0f, -1.0f, 0.0f});
@@ -105,7 +105,7 @@ Transform place_sphere(const RoomSize& size, glm::uvec3 cell, Random& random) {
     place.translation.y += jitter();
     place.translation.z += jitter();
     const glm::vec3 axis(random.range(-1.0f, 1.0f), random.range(-1.0f, 1.0f), random.range(0.1f, 1.0f));
-    place.rotation = glm::angleAxis(random.range(0.0f, kTurn), glm::normalize(axis));
+    place.rotation = glm::angleAxis(random.range(0.0f, float(kTurn)), glm::normalize(axis));
     const float radius = random.range(0.6f, 0.8f) * room / (1.0f + kBump);
     place.scale = radius * glm::vec3(random.range(0.8f, 1.0f), random.range(0.8f, 1.0f), 1.0f);
     return place;

@@ -1,8 +1,12 @@
 #pragma once
 // Internal to the scene layer: the makers of built-in scenes and what they share.
+#include <numbers>
+
 #include "scene/builtin.h"
 
 namespace parhelion::builtin {
+
+constexpr double kTurn = 2.0 * std::numbers::pi;  // radians
 
 // Pure Lambert (specular 0, metallic 0).
 Material lambert(std::string name, glm::vec3 albedo, glm::vec3 emission = glm::vec3(0.0f));

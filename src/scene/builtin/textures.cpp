@@ -10,7 +10,6 @@ namespace parhelion::builtin {
 
 namespace {
 
-constexpr float kTurn = 2.0f * std::numbers::pi_v<float>;
 const Sampler kClamp{.wrap_u = Wrap::ClampToEdge, .wrap_v = Wrap::ClampToEdge};
 
 float fraction(float x) { return x - std::floor(x); }
@@ -23,7 +22,7 @@ float band(float x, float width, float soft) { return 1.0f - glm::smoothstep(wid
 float wood_grain(glm::vec2 p, float repeat, uint32_t seed) {
     const glm::ivec2 coarse(int(repeat * 5.0f), int(repeat * 40.0f)), fine(int(repeat * 15.0f), int(repeat * 500.0f));
     const float wander = fractal_noise(p * glm::vec2(coarse) / repeat, coarse, 3, seed);
-    const float rings = 0.5f + 0.5f * std::sin(kTurn * 5.0f * wander);
+    const float rings = 0.5f + 0.5f * std::sin(float(kTurn) * 5.0f * wander);
     return 0.45f * wander + 0.2f * rings + 0.35f * fractal_noise(p * glm::vec2(fine) / repeat, fine, 2, seed + 7u);
 }
 
@@ -140,7 +139,7 @@ TextureRef add_rug(SceneEdit& edit) {
                 color = cream;
         }
         // Threads, and wool that took the dye unevenly.
-        const float thread = 0.5f + 0.5f * std::sin(kTurn * v * 320.0f) * std::sin(kTurn * u * 240.0f);
+        const float thread = 0.5f + 0.5f * std::sin(float(kTurn) * v * 320.0f) * std::sin(float(kTurn) * u * 240.0f);
         const float dye = fractal_noise({u * 6.0f, v * 40.0f}, {6, 40}, 4, 41u);
         return opaque(color * (0.72f + 0.14f * thread + 0.26f * dye));
     };
@@ -197,7 +196,7 @@ SurfaceMaps add_weave(SceneEdit& edit, glm::vec3 color, const std::string& name)
         const float x = u * kThreads, y = v * kThreads;
         const bool over = (int(x) + int(y)) % 2 == 0;
         const float along = fraction(over ? x : y), across = fraction(over ? y : x);
-        return std::sin(kTurn * 0.5f * across) * (0.6f + 0.4f * std::sin(kTurn * 0.5f * along));
+        return std::sin(float(kTurn) * 0.5f * across) * (0.6f + 0.4f * std::sin(float(kTurn) * 0.5f * along));
     };
     SurfaceMaps maps;
     maps.color = add_texture(edit,
@@ -243,7 +242,7 @@ TextureRef add_book_spines(SceneEdit& edit) {
 TextureRef add_broad_leaf(SceneEdit& edit, glm::vec3 color, const std::string& name) {
     const auto pixel = [=](float u, float v) {
         const float along = 1.0f - v, x = u - 0.5f;
-        const float width = 0.46f * std::pow(std::max(0.0f, std::sin(0.5f * kTurn * std::pow(along, 0.8f))), 0.75f);
+        const float width = 0.46f * std::pow(std::max(0.0f, std::sin(0.5f * float(kTurn) * std::pow(along, 0.8f))), 0.75f);
         const float veins = band(fraction(along * 9.0f - 6.0f * std::abs(x)) - 0.5f, 0.05f, 0.04f) * glm::smoothstep(0.0f, 0.1f, width);
         const float rib = band(x, 0.012f + 0.01f * v, 0.008f);
         const float patches = fractal_noise({u * 6.0f, v * 6.0f}, {6, 6}, 4, 111u);
@@ -278,7 +277,7 @@ TextureRef add_twig(SceneEdit& edit) {
             const glm::vec2 axis = leaf.axis / length, d = p - leaf.base;
             const float t = glm::dot(d, axis) / length, across = d.x * axis.y - d.y * axis.x;
             if (t <= 0.0f || t >= 1.0f) continue;
-            const float inside = 0.5f + 60.0f * (0.26f * length * std::sin(0.5f * kTurn * std::pow(t, 0.8f)) - std::abs(across));
+            const float inside = 0.5f + 60.0f * (0.26f * length * std::sin(0.5f * float(kTurn) * std::pow(t, 0.8f)) - std::abs(across));
             if (inside < 0.5f) continue;
             alpha = std::max(alpha, inside);
             color = glm::mix(glm::vec3(0.22f, 0.38f, 0.10f), glm::vec3(0.47f, 0.58f, 0.18f), leaf.tone) * (0.85f + 0.3f * t);

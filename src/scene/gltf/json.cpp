@@ -10,8 +10,6 @@
 
 namespace parhelion {
 
-using nlohmann::json;
-
 JsonShape measure_json(std::string_view text) {
     JsonShape shape{.depth = 0, .values = 1};
     uint32_t depth = 0;
@@ -42,10 +40,10 @@ JsonShape measure_json(std::string_view text) {
 namespace {
 
 // Members of all objects; the nesting is limited.
-uint64_t count_members(const json& value) {
+uint64_t count_members(const nlohmann::json& value) {
     uint64_t count = value.is_object() ? value.size() : 0;
     if (value.is_structured())
-        for (const json& child : value) count += count_members(child);
+        for (const nlohmann::json& child : value) count += count_members(child);
     return count;
 }
 
@@ -53,10 +51,10 @@ uint64_t count_members(const json& value) {
 std::string find_repeated_key(std::string_view text) {
     std::vector<std::set<std::string>> objects;
     std::string repeated;
-    [[maybe_unused]] const json again = json::parse(text, [&](int, json::parse_event_t event, json& parsed) {
-        if (event == json::parse_event_t::object_start) objects.emplace_back();
-        if (event == json::parse_event_t::object_end) objects.pop_back();
-        if (event == json::parse_event_t::key && !objects.back().insert(parsed.get<std::string>()).second && repeated.empty())
+    [[maybe_unused]] const nlohmann::json again = nlohmann::json::parse(text, [&](int, nlohmann::json::parse_event_t event, nlohmann::json& parsed) {
+        if (event == nlohmann::json::parse_event_t::object_start) objects.emplace_back();
+        if (event == nlohmann::json::parse_event_t::object_end) objects.pop_back();
+        if (event == nlohmann::json::parse_event_t::key && !objects.back().insert(parsed.get<std::string>()).second && repeated.empty())
             repeated = parsed.get<std::string>();
         return true;
     });
@@ -77,8 +75,8 @@ JsonDocument::JsonDocument(std::string_view text, std::string file_name, const J
     if (shape_.values > limits.max_values)
         refuse(fmt::format("its JSON holds {} values; the memory budget allows {}", shape_.values, limits.max_values), "split the scene");
     try {
-        json_ = std::make_unique<json>(json::parse(text));
-    } catch (const json::exception& error) {
+        json_ = std::make_unique<nlohmann::json>(nlohmann::json::parse(text));
+    } catch (const nlohmann::json::exception& error) {
         std::string_view message = error.what();
         if (const size_t end = message.find("] "); end != std::string_view::npos) message.remove_prefix(end + 2);
         refuse(fmt::format("is not valid JSON: {}", escape_name(message)), "");
@@ -110,11 +108,11 @@ std::string JsonRef::where() const { return steps_.count == 0 ? document_->file_
 void JsonRef::fail(std::string what, std::string hint) const { throw Error(ErrorCode::Failed, std::move(what), where(), std::move(hint)); }
 
 void JsonRef::fail_type(std::string_view expected) const {
-    std::string shown = value_->is_structured() ? value_->type_name() : value_->dump(-1, ' ', false, json::error_handler_t::replace);
+    std::string shown = value_->is_structured() ? value_->type_name() : value_->dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     fail(fmt::format("is {}, expected {}", escape_name(shown, 40), expected));
 }
 
-JsonRef JsonRef::child(const json* value, Step step) const {
+JsonRef JsonRef::child(const nlohmann::json* value, Step step) const {
     PARHELION_CHECK(steps_.count < kMaxSteps, "a JSON path with more than {} steps", kMaxSteps);
     JsonRef out = *this;
     out.value_ = value;

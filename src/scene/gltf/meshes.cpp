@@ -15,7 +15,7 @@ namespace parhelion {
 
 namespace {
 
-enum class Mode { Points, Lines, LineLoop, LineStrip, Triangles, Strip, Fan };
+enum class Topology { Points, Lines, LineLoop, LineStrip, Triangles, Strip, Fan };
 
 std::optional<uint32_t> material_of(const JsonRef& primitive) {
     const std::optional<JsonRef> material = primitive.find("material");
@@ -26,19 +26,19 @@ std::optional<uint32_t> material_of(const JsonRef& primitive) {
 // Triangles of a list, strip or fan over `count` corners; corner(i) is a vertex number. Those that name a vertex twice (strips
 // are joined that way) have no area and are dropped. Orders as in glTF 2.0, 3.7.2.1.
 template <class Corner>
-std::vector<glm::uvec3> assemble(Mode mode, uint64_t count, Corner&& corner) {
+std::vector<glm::uvec3> assemble(Topology mode, uint64_t count, Corner&& corner) {
     std::vector<glm::uvec3> out;
     const auto add = [&](uint64_t a, uint64_t b, uint64_t c) {
         const glm::uvec3 t(corner(a), corner(b), corner(c));
         if (t.x != t.y && t.y != t.z && t.z != t.x) out.push_back(t);
     };
-    if (mode == Mode::Triangles) {
+    if (mode == Topology::Triangles) {
         out.reserve(count / 3);
         for (uint64_t i = 0; i + 2 < count; i += 3) add(i, i + 1, i + 2);
     } else {
         out.reserve(count > 2 ? count - 2 : 0);
         for (uint64_t i = 0; i + 2 < count; ++i)
-            if (mode == Mode::Strip)
+            if (mode == Topology::Strip)
                 add(i, i + 1 + i % 2, i + 2 - i % 2);
             else
                 add(i + 1, i + 2, 0);
@@ -143,7 +143,7 @@ void dress(GltfDocument& document, const JsonRef& json, const MaterialHandles& m
 
 bool read_triangles(GltfDocument& document, const JsonRef& json, Primitive& out) {
     const uint64_t number = json.uint("mode", 4, 6);
-    const Mode mode = static_cast<Mode>(number);
+    const Topology mode = static_cast<Topology>(number);
     if (number < 4) {
         document.warn(json, "points and lines are not drawn");
         return false;
@@ -153,11 +153,11 @@ bool read_triangles(GltfDocument& document, const JsonRef& json, Primitive& out)
     const std::optional<JsonRef> indices_ref = json.find("indices");
     const std::vector<uint32_t> indices = indices_ref ? read_indices(document, *indices_ref, vertex_count) : std::vector<uint32_t>{};
     if (indices_ref) corner_count = indices.size();
-    if (corner_count < 3 || (mode == Mode::Triangles && corner_count % 3 != 0))
+    if (corner_count < 3 || (mode == Topology::Triangles && corner_count % 3 != 0))
         document.warn(json, fmt::format("{} corners do not make whole triangles", corner_count));
     // With what order_triangles_by_median needs for a moment.
     constexpr uint64_t kBytesPerTriangle = 2 * sizeof(glm::uvec3) + 16;
-    document.files().charge((mode == Mode::Triangles ? corner_count / 3 : corner_count) * kBytesPerTriangle, json.where());
+    document.files().charge((mode == Topology::Triangles ? corner_count / 3 : corner_count) * kBytesPerTriangle, json.where());
     out.triangles = indices_ref ? assemble(mode, corner_count, [&](uint64_t i) { return indices[i]; })
                                 : assemble(mode, corner_count, [](uint64_t i) { return static_cast<uint32_t>(i); });
     return !out.triangles.empty();

@@ -15,7 +15,7 @@ namespace parhelion {
 
 namespace {
 
-enum class Mode { Attributes, Triangles, Indices };
+enum class Coding { Attributes, Triangles, Indices };
 enum class Filter { None, Octahedral, Quaternion, Exponential, Color };
 
 template <class E, size_t N>
@@ -26,7 +26,7 @@ E one_of(const JsonRef& json, const std::array<std::string_view, N>& names) {
 }
 
 struct Layout {
-    Mode mode;
+    Coding mode;
     Filter filter = Filter::None;
     uint64_t count, stride;
 };
@@ -35,7 +35,7 @@ struct Layout {
 Layout read_layout(const JsonRef& view, const JsonRef& json) {
     constexpr std::array<std::string_view, 3> kModes = {"ATTRIBUTES", "TRIANGLES", "INDICES"};
     constexpr std::array<std::string_view, 5> kFilters = {"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL", "COLOR"};
-    Layout out{.mode = one_of<Mode>(json.at("mode"), kModes),
+    Layout out{.mode = one_of<Coding>(json.at("mode"), kModes),
                .count = json.at("count").as_uint(std::numeric_limits<uint32_t>::max()),
                .stride = json.at("byteStride").as_uint(256)};
     if (const std::optional<JsonRef> filter = json.find("filter")) out.filter = one_of<Filter>(*filter, kFilters);
@@ -45,14 +45,14 @@ Layout read_layout(const JsonRef& view, const JsonRef& json) {
                       std::string(rule));
     };
     const uint64_t s = out.stride;
-    if (out.mode == Mode::Attributes) {
+    if (out.mode == Coding::Attributes) {
         require(s >= 4 && s % 4 == 0, "byteStride is 4, 8, ... 256 for ATTRIBUTES");
         require((out.filter != Filter::Octahedral && out.filter != Filter::Color) || s == 4 || s == 8,
                 "byteStride is 4 or 8 for this filter");
         require(out.filter != Filter::Quaternion || s == 8, "byteStride is 8 for QUATERNION");
     } else {
         require(s == 2 || s == 4, "byteStride is 2 or 4 for indices");
-        require(out.mode != Mode::Triangles || out.count % 3 == 0, "count is a multiple of 3 for TRIANGLES");
+        require(out.mode != Coding::Triangles || out.count % 3 == 0, "count is a multiple of 3 for TRIANGLES");
         if (out.filter != Filter::None) json.fail("has a filter, which only ATTRIBUTES can have");
     }
     if (const uint64_t length = view.at("byteLength").as_uint(1ull << 53); length != out.count * s)
@@ -100,7 +100,7 @@ void apply_filter(const Layout& layout, std::vector<std::byte>& bytes) {
 }
 
 // Every stream starts with its codec (high four bits) and version (low four).
-[[noreturn]] void fail_to_decode(const JsonRef& json, Mode mode, std::span<const std::byte> bytes) {
+[[noreturn]] void fail_to_decode(const JsonRef& json, Coding mode, std::span<const std::byte> bytes) {
     constexpr unsigned kCodecs[] = {0xA, 0xE, 0xD}, kVersionsKnown[] = {0, 1, 1};
     const unsigned first = bytes.empty() ? 0u : std::to_integer<unsigned>(bytes[0]);
     const unsigned version = first & 15u;
@@ -126,13 +126,13 @@ std::vector<std::byte> decode_meshopt(SceneFiles& files, const JsonRef& view, co
     const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
     int result = 0;
     switch (layout.mode) {
-        case Mode::Attributes:
+        case Coding::Attributes:
             result = meshopt_decodeVertexBuffer(out.data(), layout.count, layout.stride, data, bytes.size());
             break;
-        case Mode::Triangles:
+        case Coding::Triangles:
             result = meshopt_decodeIndexBuffer(out.data(), layout.count, layout.stride, data, bytes.size());
             break;
-        case Mode::Indices:
+        case Coding::Indices:
             result = meshopt_decodeIndexSequence(out.data(), layout.count, layout.stride, data, bytes.size());
             break;
     }
