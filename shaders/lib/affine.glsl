@@ -21,6 +21,13 @@ SHARED_FN vec3 transform_normal(Affine inverse, vec3 n) {
     return r;
 }
 
+// The same by the transform itself, which has no inverse at hand: its cofactors are the transposed inverse times the determinant.
+SHARED_FN vec3 transform_normal_by_cofactors(Affine a, vec3 n) {
+    const vec3 x = vec3(a.row0), y = vec3(a.row1), z = vec3(a.row2);
+    const vec3 r = vec3(dot(cross(y, z), n), dot(cross(z, x), n), dot(cross(x, y), n));
+    return dot(x, cross(y, z)) < 0.0f ? -r : r;
+}
+
 // A point and absolute bounds of its rounding error, given the bounds of p's own. Higham 2002, gamma_n = n u / (1 - n u) with
 // u = 2^-24; a product that goes through three sums is off by gamma_4 of its absolute value (Pharr, Jakob, Humphreys 2016, 3.9.1).
 SHARED_FN vec3 transform_point_precise(Affine a, vec3 p, vec3 p_error, SHARED_INOUT(vec3) error) {

@@ -10,12 +10,13 @@ void find_moments(Surface s, out vec3 now_ws, out vec3 before_ws) {
     const Instance instance = scene_instance(s.instance);
     const Geometry geometry = scene_geometry(instance.geometry_base + s.geometry);
     const uvec3 index = IndexArray(geometry.indices).v[s.primitive];
-    PositionArray positions = PositionArray(geometry.positions);
+    PositionArray positions = PositionArray(geometry.positions), positions_before = PositionArray(scene_geometry(geometry_base_before(s.instance) + s.geometry).positions);
     const vec3 weights = vec3(1.0 - s.barycentrics.x - s.barycentrics.y, s.barycentrics);
     const vec3 p = interpolate(weights, positions.v[index.x], positions.v[index.y], positions.v[index.z]);
+    const vec3 p_before = interpolate(weights, positions_before.v[index.x], positions_before.v[index.y], positions_before.v[index.z]);
     vec3 ignored;
     now_ws = transform_point_precise(instance.world_from_object, p, vec3(0.0), ignored);
-    before_ws = transform_point_precise(placement_before(s.instance), p, vec3(0.0), ignored);
+    before_ws = transform_point_precise(placement_before(s.instance), p_before, vec3(0.0), ignored);
 }
 
 vec2 point_motion(ViewData view, vec3 now_ws, vec3 before_ws) {

@@ -11,6 +11,13 @@ Affine placement_before(uint instance) {
     return scene_instance(instance).world_from_object_before;
 }
 
+// The first geometry of its mesh as that was deformed a frame ago: the vertices of now, where they were. Likewise for a row that this frame
+// does not draw.
+uint geometry_base_before(uint instance) {
+    if (scene.header.moving == 0u) return scene_instance(instance).geometry_base;
+    return scene_instance(instance).geometry_base_before;
+}
+
 // The previous frame's row of this frame's instance; kNone: it is new.
 uint instance_before(uint instance) {
     if (instance >= scene.header.instance_before_count) return kNone;

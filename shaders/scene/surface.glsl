@@ -6,8 +6,8 @@
 #include "lib/bsdf.glsl"
 #include "lib/geometry.glsl"
 #include "lib/ray_triangle.glsl"
+#include "scene/previous.glsl"
 #include "scene/ray.glsl"
-#include "scene/scene.glsl"
 
 struct Surface {
     vec3 position_ws;
@@ -88,20 +88,26 @@ float emission_through_coat(Material material, TexturePoint at, vec3 n_vertex_ws
 }
 
 // Unit, from an interpolated one in object space.
-vec3 vertex_normal(Instance instance, vec3 n_object, vec3 n_geometric_ws) {
-    precise const vec3 n_world = transform_normal(instance.object_from_world, n_object);
+vec3 vertex_normal(Instance instance, vec3 n_object, vec3 n_geometric_ws, bool before) {
+    precise const vec3 n_world = before ? transform_normal_by_cofactors(instance.world_from_object_before, n_object) : transform_normal(instance.object_from_world, n_object);
     precise const vec3 n = precise_dot(n_world, n_world) > 0.0 ? precise_normalize(n_world) : n_geometric_ws;
     return n;
 }
 
-// `cone` is the ray's: how finely textures are read. Nothing else of the surface depends on it.
-Surface fetch_surface(Hit hit, Ray ray, RayCone cone) {
+vec3 vertex_normal(Instance instance, vec3 n_object, vec3 n_geometric_ws) { return vertex_normal(instance, n_object, n_geometric_ws, false); }
+
+// As the scene stands (kNow) or stood a frame ago (kBefore), by rows of this frame. `cone` is the ray's: how finely textures are read. Nothing
+// else of the surface depends on it.
+Surface fetch_surface_at(Hit hit, Ray ray, RayCone cone, uint moment) {
     precise Surface s;
     s.instance = hit_instance(hit);
     s.geometry = hit.geometry;
     s.primitive = hit.primitive;
     const Instance instance = scene_instance(s.instance);
-    const Geometry geometry = scene_geometry(instance.geometry_base + hit.geometry);
+    const bool before = moment == kBefore && scene.header.moving != 0u;
+    Affine world_from_object = instance.world_from_object;
+    if (before) world_from_object = instance.world_from_object_before;
+    const Geometry geometry = scene_geometry((before ? instance.geometry_base_before : instance.geometry_base) + hit.geometry);
     Material material = scene_material(geometry.material);
     material.flags &= ~ABSENT_MATERIAL_FLAGS;
     s.material = geometry.material;
@@ -110,9 +116,9 @@ Surface fetch_surface(Hit hit, Ray ray, RayCone cone) {
     const uvec3 index = IndexArray(geometry.indices).v[hit.primitive];
     PositionArray positions = PositionArray(geometry.positions);
     vec3 e0, e1, e2;
-    precise const vec3 p0 = transform_point_precise(instance.world_from_object, positions.v[index.x], vec3(0.0), e0);
-    precise const vec3 p1 = transform_point_precise(instance.world_from_object, positions.v[index.y], vec3(0.0), e1);
-    precise const vec3 p2 = transform_point_precise(instance.world_from_object, positions.v[index.z], vec3(0.0), e2);
+    precise const vec3 p0 = transform_point_precise(world_from_object, positions.v[index.x], vec3(0.0), e0);
+    precise const vec3 p1 = transform_point_precise(world_from_object, positions.v[index.y], vec3(0.0), e1);
+    precise const vec3 p2 = transform_point_precise(world_from_object, positions.v[index.z], vec3(0.0), e2);
     intersect_canonical(ray.origin_ws, ray.direction_ws, p0, p1, p2, s.t, s.barycentrics);
     precise const vec3 weights = vec3(1.0 - s.barycentrics.x - s.barycentrics.y, s.barycentrics);
     precise const vec3 position = weights.x * p0 + weights.y * p1 + weights.z * p2;
@@ -141,8 +147,8 @@ Surface fetch_surface(Hit hit, Ray ray, RayCone cone) {
         footprint = TextureFootprint(true, vec2(cone_level(double_area_uv(a0.uv0, a1.uv0, a2.uv0), s.double_area_ws, width, cosine),
                                                 cone_level(double_area_uv(a0.uv1, a1.uv1, a2.uv1), s.double_area_ws, width, cosine)));
     }
-    s.n_shading_ws = vertex_normal(instance, interpolate(weights, a0.normal, a1.normal, a2.normal), s.n_geometric_ws);
-    const vec3 tangent = transform_vector(instance.world_from_object, interpolate(weights, a0.tangent.xyz, a1.tangent.xyz, a2.tangent.xyz));
+    s.n_shading_ws = vertex_normal(instance, interpolate(weights, a0.normal, a1.normal, a2.normal), s.n_geometric_ws, before);
+    const vec3 tangent = transform_vector(world_from_object, interpolate(weights, a0.tangent.xyz, a1.tangent.xyz, a2.tangent.xyz));
     const TexturePoint at = TexturePoint(uv0, uv1, footprint);
     const vec3 n_vertex_ws = s.n_shading_ws;
     const vec4 tangent_ws = vec4(tangent, a0.tangent.w * winding);
@@ -167,6 +173,8 @@ Surface fetch_surface(Hit hit, Ray ray, RayCone cone) {
     }
     return s;
 }
+
+Surface fetch_surface(Hit hit, Ray ray, RayCone cone) { return fetch_surface_at(hit, ray, cone, kNow); }
 
 // A ray from the surface towards w that cannot meet the surface itself (with integer_offset: seldom).
 Ray spawn_ray(Surface s, vec3 w, float t_max, uint alpha_key) {

@@ -16,6 +16,7 @@ const uint kBsdfSamplingOnly = 2u;
 struct NextEvent {
     Ray ray;
     BsdfValue value;
+    vec3 light;  // radiance over density, with the weight of MIS: what the BSDF and the throughput are not in yet
     bool exists;
 };
 
@@ -25,6 +26,8 @@ struct VertexResult {
     NextEvent event;
     bool goes_on;     // the path has a next ray
     float t;          // metres to what the path's ray met
+    vec2 barycentrics;  // of that,
+    float facing;     // and the cosine of the ray to its plane
 };
 
 // MIS weight of light reached by the last BSDF sample, which light sampling would have found with light_pdf.
@@ -65,6 +68,8 @@ VertexResult end_in_sky(ViewData view, PathState path, inout FirstHit first) {
     result.event.exists = false;
     result.goes_on = false;
     result.t = kInfinity;
+    result.barycentrics = vec2(0.0);
+    result.facing = 1.0;
     result.arriving = path.throughput * (arriving_environment(path, view.light_sampling) + arriving_suns(path, view.light_sampling));
     if (kLayers) result.arriving *= medium_transmittance(medium_there(path.media), kInfinity);
     if (path.path_class.bounce == 0u && !path.path_class.transmitted) first.emission = result.arriving;
@@ -111,27 +116,37 @@ MediumStack media_behind(PathState path, Shading shading, vec3 wi) {
     return wi.z < 0.0 && !shading.s.scattering.thin ? shading.boundary.beyond : path.media;
 }
 
+// MIS weight of a light sample, which the BSDF would have found with `bsdf_pdf`; no ray can hit a delta light.
+float light_sample_weight(uint mode, LightSample light, float bsdf_pdf) {
+    if (light.is_delta || mode == kLightSamplingOnly) return 1.0;
+    return mode == kBsdfSamplingOnly ? 0.0 : mis_power_heuristic(light.pdf, bsdf_pdf);
+}
+
+// The ray that must be free for it.
+Ray light_sample_ray(Surface s, LightSample light, uint alpha_key) {
+    Ray ray = spawn_ray(s, light.wi, kInfinity, alpha_key);
+    if (light.infinite) return ray;
+    const vec3 to_target = light.target_ws - ray.origin_ws;
+    ray.t_max = length(to_target) * (1.0 - 4e-7);
+    ray.direction_ws = normalize(to_target);
+    return ray;
+}
+
 // What a light sample adds to the path if its ray is free. `bsdf_share`: how many BSDF samples there are for each light sample that it
 // was chosen from, for the weight of MIS.
 NextEvent next_event(ViewData view, PathState path, Shading shading, LightSample light, float bsdf_share, uint alpha_key) {
     NextEvent event;
     event.exists = false;
-    if (light.pdf <= 0.0 || (view.light_sampling == kBsdfSamplingOnly && !light.is_delta)) return event;  // no ray can hit a delta light
+    if (light.pdf <= 0.0) return event;
     const vec3 wi = light.wi * shading.frame;
     if (!sides_agree(shading, wi, light.wi)) return event;
     const BsdfTerms terms = evaluate_bsdf(shading.bsdf, shading.wo, wi);
     const BsdfValue value = terms.value;
     if (max_component(total(value)) <= 0.0) return event;
-    float weight = 1.0;
-    if (!light.is_delta && view.light_sampling == kLightSamplingMis) weight = mis_power_heuristic(light.pdf, terms.pdf * bsdf_share);
-    vec3 arriving = path.throughput * light.radiance * (weight / light.pdf);
-    event.ray = spawn_ray(shading.s, light.wi, kInfinity, alpha_key);
-    if (!light.infinite) {
-        const vec3 to_target = light.target_ws - event.ray.origin_ws;
-        event.ray.t_max = length(to_target) * (1.0 - 4e-7);
-        event.ray.direction_ws = normalize(to_target);
-    }
-    if (kLayers) arriving *= medium_transmittance(medium_there(media_behind(path, shading, wi)), event.ray.t_max);
+    event.light = light.radiance * (light_sample_weight(view.light_sampling, light, terms.pdf * bsdf_share) / light.pdf);
+    event.ray = light_sample_ray(shading.s, light, alpha_key);
+    if (kLayers) event.light *= medium_transmittance(medium_there(media_behind(path, shading, wi)), event.ray.t_max);
+    vec3 arriving = path.throughput * event.light;
     arriving *= firefly_share(view, path.path_class.bounce, arriving * total(value));
     event.value = BsdfValue(arriving * value.diffuse, arriving * value.specular, arriving * value.transmission);
     event.exists = max_component(total(event.value)) > 0.0;
@@ -244,6 +259,8 @@ VertexResult shade_vertex(ViewData view, PathKey key, Hit hit, inout PathState p
     Surface s = fetch_surface(hit, path.ray, path.cone);
     s.integer_offset = (view.flags & kViewIntegerOffset) != 0u;
     result.t = s.t;
+    result.barycentrics = s.barycentrics;
+    result.facing = abs(dot(s.n_geometric_ws, path.ray.direction_ws));
     if (kLayers) path.throughput *= medium_transmittance(medium_there(path.media), s.t);
     const uint bounce = path.path_class.bounce;
     result.arriving = path.throughput * arriving_emission(path, s, view.light_sampling);

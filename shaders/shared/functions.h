@@ -27,6 +27,7 @@ struct HostArray {
 // GLSL's built-in functions that such files use.
 using glm::abs;
 using glm::ceil;
+using glm::cross;
 using glm::dot;
 using glm::floatBitsToUint;
 using glm::floor;

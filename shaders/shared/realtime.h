@@ -58,6 +58,7 @@ struct RealtimeFrame {
     uint tiles;         // 1: they come from light tiles
     uint path_bounces;  // reflections after which a path ends in the cache whatever it meets, but for glass
     uint follows;       // 1: the signals are of the surface that is seen through mirrors and panes
+    uint reservoir_sets;  // 1: one reservoir a pixel; 2: one for direct and one for indirect light
 };
 
 // A path of the frame between two of its vertices, beside its ray (WavefrontRay): 48 bytes.
@@ -93,6 +94,7 @@ SHARED_CONST uint kLightDirect = 0u;
 SHARED_CONST uint kLightIndirect = 1u;
 SHARED_CONST uint kLightTransmitted = 2u;
 SHARED_CONST uint kLightReflected = 3u;    // by a mirror before the surface that the pixel shows
+SHARED_CONST uint kLightStopsAtPanes = 0x100u;  // besides: what comes through panes is another path's
 
 // What a path brought so far, but for what is seen straight: 24 bytes.
 struct LightSums {

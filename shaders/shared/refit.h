@@ -1,6 +1,7 @@
 // Refit of our own bottom levels: a deformed mesh gets the tree of its mesh at rest with boxes around its own triangles.
 #ifndef PARHELION_SHARED_REFIT_H
 #define PARHELION_SHARED_REFIT_H
+#include "shared/chunks.h"
 #include "shared/types.h"
 SHARED_BEGIN
 
@@ -25,13 +26,6 @@ struct RefitJob {
     uint node_count, triangle_count;
     uint node, triangle;
     uint part, scratch;
-};
-
-// What a work group does: kRefitChunk nodes or triangles of a job, from `first` on. kRefitGroups groups lie in a row of the dispatch.
-SHARED_CONST uint kRefitChunk = 64u;
-SHARED_CONST uint kRefitGroups = 1024u;
-struct RefitChunk {
-    uint job, first;
 };
 
 SHARED_END

@@ -45,6 +45,7 @@ struct Instance {
     Affine object_from_world;
     Affine world_from_object_before;  // previous frame
     uint geometry_base;               // first of its mesh's geometries in the geometry table
+    uint geometry_base_before;        // the same of the mesh as it was deformed in the previous frame: equal vertices, triangles of other positions
     uint geometry_count;
     uint emitter_base;  // first of its geometries' entries in the geometry-to-emitter table
     uint flags;

@@ -85,6 +85,7 @@ struct ViewData {
     float firefly_clamp;     // nits: most that one contribution after the first scattering may add; 0: no limit
     float pixel_width, pixel_spread;  // a pixel's ray cone at the camera: metres, radians
     vec2 jitter;             // pixels, x to the right, y down: where kFilterPoint looks through pixels, from their centres
+    vec2 jitter_before;      // the previous frame's
     uint channel[kFilmGroupCount];
     uint channel_count;
 };

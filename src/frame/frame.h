@@ -85,6 +85,7 @@ public:
     Pass& scene(const SceneBinding& scene);
     // Buffers that the shader reads through addresses in other buffers.
     Pass& reach(std::span<const gpu::Buffer> buffers);
+    Pass& reach_written(std::span<const gpu::Buffer> buffers);  // that it writes so
     // The push constant block, a struct of shaders/shared. Members that are buffer references are filled in by the bindings.
     template <class T>
     Pass& push(const T& block) {
@@ -136,7 +137,7 @@ private:
     std::vector<std::string> output_names_;  // of the colours
     std::vector<gpu::Buffer> draw_lists_;    // that draws are read from
     std::vector<Bound> bound_;
-    std::vector<gpu::Buffer> reached_;
+    std::vector<gpu::Buffer> reached_, reached_written_;
     std::vector<std::byte> push_;
     const SceneBinding* scene_ = nullptr;
 };

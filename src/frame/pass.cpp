@@ -51,6 +51,11 @@ Pass& Pass::reach(std::span<const gpu::Buffer> buffers) {
     return *this;
 }
 
+Pass& Pass::reach_written(std::span<const gpu::Buffer> buffers) {
+    reached_written_.insert(reached_written_.end(), buffers.begin(), buffers.end());
+    return *this;
+}
+
 const gpu::Program& Pass::program() {
     if (!program_)
         program_ = kind_ == Kind::Raster ? raster_program()
@@ -139,6 +144,11 @@ void Pass::finish(std::string extent, std::function<void(gpu::CommandList&)> lau
     for (const gpu::Buffer& buffer : reached_) {
         record.info.reads.push_back(buffer.name());
         accesses.push_back({buffer.id(), use(true, false), &buffer.name()});
+        frame_.keep(buffer.data());
+    }
+    for (const gpu::Buffer& buffer : reached_written_) {
+        record.info.writes.push_back(buffer.name());
+        accesses.push_back({buffer.id(), use(false, true), &buffer.name()});
         frame_.keep(buffer.data());
     }
     std::optional<gpu::SceneSet> set;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "lib/hash.glsl"
 #include "renderers/slice.h"
 #include "shared/scene.h"
 
@@ -13,6 +14,11 @@ namespace {
 constexpr uint32_t kTileRows = 8;           // bands are whole squares of 64 pixels
 constexpr uint32_t kPassings = 8, kPassingsWithoutCache = 32;  // panes, and boundaries that are none, along a path of most scatterings
 constexpr uint32_t kMostScatterings = 256;  // of paths without a bound: roulette lets less than one in 100,000 live so long
+
+uint32_t reservoir_sets(const RealtimeOptions& options) { return options.reuse_options.sets == ReservoirSets::Split ? 2 : 1; }
+
+// Which pixels of the last frame are exchanged; another number each frame.
+uint32_t permutation(const ReuseOptions& options, uint32_t frame_index) { return options.permutation ? shared::pcg_hash(frame_index) & 15u : ~0u; }
 
 // Layers that show what the world cache knows at what pixels see.
 bool shows_cache(const View& view) {
@@ -43,6 +49,9 @@ Realtime::Realtime(gpu::DevicePtr device, const View& view, const RealtimeOption
         throw Error(ErrorCode::MissingFeature, "the device cannot draw", "gbuffer.mode=raster", "use gbuffer.mode=trace");
     if (options.gbuffer == GBufferMode::Raster && view.desc().camera.lens_radius > 0)
         throw Error(ErrorCode::Usage, "a camera with a lens is traced", "gbuffer.mode=raster", "use gbuffer.mode=trace");
+    if (options.reuse == RealtimeReuse::Unbiased && options.cache)
+        throw Error(ErrorCode::Usage, "the world cache is not unbiased", "realtime.reuse=unbiased", "add --set realtime.cache=off");
+    if (options.reuse != RealtimeReuse::None) reuse_.emplace(passes::make_reuse_state(device, gbuffer_.identity.extent(), reservoir_sets(options)));
     if (options.cache) cache_.emplace(device, options.cache_options);
     if (options.reconstruction) reconstruction_.emplace(device, gbuffer_.identity.extent(), gpu::Extent{view.film().width, view.film().height}, *options.reconstruction);
     const uint32_t rows = (options.slots != 0 ? options.slots : passes::usual_light_paths(device->caps())) / traced(view).width / kTileRows * kTileRows;
@@ -68,6 +77,7 @@ uint32_t Realtime::path_length(const SceneGpu& scene, const View& view) const {
 }
 
 void Realtime::trace_band(passes::LightPass pass, uint32_t path_length) {
+    passes::begin_band(pass);
     passes::sort_pixels(pass);
     for (; pass.round < path_length; ++pass.round) {
         const bool last = pass.round + 1 == path_length;  // who still has a ray then ends without it, and it does not count
@@ -84,40 +94,96 @@ void Realtime::trace_band(passes::LightPass pass, uint32_t path_length) {
     passes::gather_paths(pass);
 }
 
+// What the frame's passes have in common; its band is all pixels.
+passes::LightPass Realtime::light_pass(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const View& view) const {
+    return {.frame = frame,
+            .scene = scene,
+            .way = way,
+            .film = traced(view),
+            .gbuffer = gbuffer_,
+            .paths = paths_,
+            .signals = signals_,
+            .tiles = tiles_,
+            .cache = cache_ ? &cache_->buffer() : nullptr,
+            .reservoirs = reuse_ ? &reuse_->reservoirs : nullptr,
+            .settings = {.frame_index = frame_index_,
+                         .exposure = options_.exposure,
+                         .candidates = options_.candidates,
+                         .tiles = options_.tiles,
+                         .path_bounces = options_.path_bounces,
+                         .follows = follows(scene) ? 1u : 0u,
+                         .reservoir_sets = reuse_ ? reservoir_sets(options_) : 0},
+            .band = {.first_row = 0, .row_count = traced(view).height, .first_sample = frame_index_, .sample_count = 1}};
+}
+
+template <class Do>
+void Realtime::for_bands(passes::LightPass pass, Do&& band) const {
+    for (uint32_t row = 0; row < pass.film.height; row += band_rows_) {
+        pass.band.first_row = row;
+        pass.band.row_count = std::min(band_rows_, pass.film.height - row);
+        band(pass);
+    }
+}
+
 void Realtime::trace_paths(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const View& view) {
     const bool layers = (scene.features() & shared::kSceneLayers) != 0;
-    if (!paths_.paths || layers != paths_have_layers_) paths_ = passes::make_light_paths(device_, band_rows_ * traced(view).width, layers);
+    if (!paths_.paths || layers != paths_have_layers_)
+        paths_ = passes::make_light_paths(device_, band_rows_ * traced(view).width, {.layers = layers, .reservoirs = reuse_.has_value()});
     paths_have_layers_ = layers;
-    const shared::RealtimeFrame settings{.frame_index = frame_index_,
-                                         .exposure = options_.exposure,
-                                         .candidates = options_.candidates,
-                                         .tiles = options_.tiles,
-                                         .path_bounces = options_.path_bounces,
-                                         .follows = follows(scene) ? 1u : 0u};
-    for (uint32_t row = 0; row < traced(view).height; row += band_rows_) {
-        const shared::Slice band{.first_row = row, .row_count = std::min(band_rows_, traced(view).height - row), .first_sample = frame_index_, .sample_count = 1};
-        trace_band({.frame = frame,
-                    .scene = scene,
-                    .way = way,
-                    .film = traced(view),
-                    .gbuffer = gbuffer_,
-                    .paths = paths_,
-                    .signals = signals_,
-                    .tiles = tiles_,
-                    .cache = cache_ ? &cache_->buffer() : nullptr,
-                    .settings = settings,
-                    .band = band},
-                   path_length(scene, view));
+    for_bands(light_pass(frame, scene, way, view), [&](const passes::LightPass& pass) { trace_band(pass, path_length(scene, view)); });
+}
+
+// Pixels of a band by their reservoirs' samples.
+void Realtime::light_band(passes::LightPass pass, passes::ReusePass reuse) const {
+    passes::begin_band(pass);
+    for (reuse.settings.set = 0; reuse.settings.set < reservoir_sets(options_); ++reuse.settings.set) {
+        passes::prepare_wavefront(pass.tracing(), shared::kEmptyShadows);
+        passes::light_pixels(reuse, paths_);
+        passes::prepare_wavefront(pass.tracing(), shared::kSizeOfShadows | shared::kCountShadows);
+        passes::connect_paths(pass);
     }
+    passes::gather_paths(pass);
+}
+
+// What paths have offered goes from frame to frame and from pixel to pixel, and lights them.
+void Realtime::share_light(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const View& view) {
+    const ReuseOptions& options = options_.reuse_options;
+    passes::ReusePass reuse{.frame = frame,
+                            .scene = scene,
+                            .way = way,
+                            .film = traced(view),
+                            .gbuffer = gbuffer_,
+                            .state = *reuse_,
+                            .exact = options_.reuse == RealtimeReuse::Unbiased,
+                            .settings = {.frame_index = frame_index_,
+                                         .candidates = options_.tiles ? options_.candidates : 0,
+                                         .most_confidence = options.confidence,
+                                         .neighbours = options.neighbours,
+                                         .radius_px = options.radius,
+                                         .permutation = permutation(options, frame_index_),
+                                         .reset = is_cut(view) || options.confidence == 0,
+                                         .exposure = options_.exposure}};
+    for (reuse.settings.set = 0; reuse.settings.set < reservoir_sets(options_); ++reuse.settings.set) {
+        passes::reuse_before(reuse);
+        passes::reuse_around(reuse);
+    }
+    passes::LightPass light = light_pass(frame, scene, way, view);
+    light.reservoirs = nullptr;  // nothing is offered any more
+    light.adds = true;
+    for_bands(light, [&](const passes::LightPass& pass) { light_band(pass, reuse); });
+}
+
+// The frame has nothing to do with those before.
+bool Realtime::is_cut(const View& view) const {
+    const shared::ViewData& data = view.data();
+    return cut_ || glm::dot(data.camera.forward_ws, data.camera_before.forward_ws) <= 0.0f || data.camera.orthographic != data.camera_before.orthographic;
 }
 
 // The frame's picture into the film.
 void Realtime::show(Frame& frame, View& view) {
     const passes::Film& film = view.film();
-    const shared::ViewData& data = view.data();
-    const bool turned = glm::dot(data.camera.forward_ws, data.camera_before.forward_ws) <= 0.0f || data.camera.orthographic != data.camera_before.orthographic;
-    const passes::ReconstructionInput input{.film = traced(view), .picture = &film, .jitter_px = view.jitter(), .gbuffer = gbuffer_, .signals = signals_, .exposure = options_.exposure, .cut = cut_ || turned};
-    if (keeps_input_) input_.record(frame, input, data);
+    const passes::ReconstructionInput input{.film = traced(view), .picture = &film, .jitter_px = view.jitter(), .gbuffer = gbuffer_, .signals = signals_, .exposure = options_.exposure, .cut = is_cut(view)};
+    if (keeps_input_) input_.record(frame, input, view.data());
     if (reconstruction_) reconstruction_->record(frame, input, frame_index_);
     else passes::composite(frame, film, gbuffer_, signals_, options_.exposure);
     cut_ = false;
@@ -139,6 +205,7 @@ void Realtime::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, Vi
     if (reconstruction_) view.set_jitter(reconstruction_->jitter_px(frame_index_));
     begin_slice(frame, scene, way, view, slice);
     if (rendered_) rendered_->prepare(frame, view);
+    if (reuse_) passes::keep_gbuffer(*reuse_, gbuffer_);
     std::optional<passes::CacheUpdate> update = begin_update(frame, scene, way, view);
     if (update) update->trace_first();
     if (draws_pixels(view)) passes::raster_identity(frame, scene, film, gbuffer_.identity, raster_, frame_index_);
@@ -150,6 +217,7 @@ void Realtime::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, Vi
     if (update) update->finish();
     if (cache_ && shows_cache(view)) passes::show_cache(frame, scene, film, gbuffer_, cache_->buffer(), frame_index_);
     trace_paths(frame, scene, way, view);
+    if (reuse_) share_light(frame, scene, way, view);
     show(frame, view);
     end_slice(frame, view, slice, ends_range);
     view.end_frame();

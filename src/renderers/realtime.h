@@ -6,7 +6,7 @@
 #include "passes/cache/cache.h"
 #include "passes/gbuffer/raster.h"
 #include "passes/lights/lights.h"
-#include "passes/realtime/realtime.h"
+#include "passes/reuse/reuse.h"
 #include "renderers/kept_input.h"
 #include "renderers/reconstruction.h"
 #include "renderers/rendered_view.h"
@@ -17,10 +17,24 @@ namespace parhelion {
 
 enum class RealtimeReuse : uint32_t { Full, None, Unbiased };
 
+// One reservoir a pixel for all light that is shared, or one for direct and one for indirect light.
+enum class ReservoirSets : uint32_t { Unified, Split };
+
+// How samples are shared between pixels and frames.
+struct ReuseOptions {
+    ReservoirSets sets = ReservoirSets::Unified;
+    uint32_t confidence = 8;   // frames that what the last frame knew counts for at most; 0: no temporal reuse
+    uint32_t neighbours = 1;   // pixels around whose samples are taken; 0: no spatial reuse
+    float radius = 30.0f;      // pixels that these are off at most
+    bool permutation = false;  // near pixels of the last frame are exchanged: less that stays in place, but edges of shadows darken where samples are not weighed exactly
+};
+
 // What finds the triangles under the pixels.
 enum class GBufferMode : uint32_t { Auto, Raster, Trace };
 
 struct RealtimeOptions {
+    RealtimeReuse reuse = RealtimeReuse::None;  // Unbiased: samples are weighed with what hides them, and nothing that is known to be off is used
+    ReuseOptions reuse_options;
     GBufferMode gbuffer = GBufferMode::Auto;  // Raster needs SceneGpuOptions::raster, and a camera without a lens
     bool auto_draws = false;  // Auto is Raster while the camera has neither lens nor shutter, else Trace; false: Trace always
     uint32_t candidates = 8;  // light samples that the first surface's one is chosen from
@@ -66,8 +80,14 @@ private:
     bool draws_pixels(const View& view) const;
     bool follows(const SceneGpu& scene) const;
     uint32_t path_length(const SceneGpu& scene, const View& view) const;
+    bool is_cut(const View& view) const;
+    passes::LightPass light_pass(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const View& view) const;
+    template <class Do>
+    void for_bands(passes::LightPass pass, Do&& band) const;
     void show(Frame& frame, View& view);
     void trace_band(passes::LightPass pass, uint32_t path_length);
+    void light_band(passes::LightPass pass, passes::ReusePass reuse) const;
+    void share_light(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const View& view);
     void trace_paths(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const View& view);
 
     gpu::DevicePtr device_;
@@ -81,6 +101,7 @@ private:
     uint32_t band_rows_ = 0;
     gpu::Buffer tiles_;
     std::optional<LightCache> cache_;
+    std::optional<passes::ReuseState> reuse_;
     std::optional<Reconstruction> reconstruction_;
     bool cut_ = true;  // the first frame follows none
     bool keeps_input_ = false;

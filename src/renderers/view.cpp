@@ -172,8 +172,9 @@ void View::set_camera(const shared::Camera& camera, const std::optional<shared::
 }
 
 void View::end_frame() {
-    if (std::memcmp(&data_.camera_before, &data_.camera, sizeof(data_.camera)) == 0) return;
+    if (std::memcmp(&data_.camera_before, &data_.camera, sizeof(data_.camera)) == 0 && data_.jitter_before == data_.jitter) return;
     data_.camera_before = data_.camera;
+    data_.jitter_before = data_.jitter;
     upload_ = true;
 }
 

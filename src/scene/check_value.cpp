@@ -39,6 +39,30 @@ void check_attribute(const Mesh& mesh, const Primitive& primitive, const std::ve
     if (!all_finite(values)) fail(mesh, fmt::format("its {} have a value that is not finite", name));
 }
 
+// Their sums are 1 but for roundings: where the joints are bounds where the vertices can be (deformed_bounds()).
+void check_joint_weights(const Mesh& mesh, const Primitive& primitive) {
+    if (!all_finite(primitive.joint_weights)) fail(mesh, "its joint weights have a value that is not finite");
+    const uint32_t n = primitive.influence_count;
+    for (size_t vertex = 0; n != 0 && vertex < primitive.positions.size(); ++vertex) {
+        double sum = 0.0;
+        for (size_t k = vertex * n; k < (vertex + 1) * n; ++k) {
+            if (primitive.joint_weights[k] < 0.0f) fail(mesh, fmt::format("vertex {} has a negative joint weight", vertex));
+            sum += double(primitive.joint_weights[k]);
+        }
+        if (std::abs(sum - 1.0) > 1e-5) fail(mesh, fmt::format("the joint weights of vertex {} sum to {:g}, not to 1", vertex, sum));
+    }
+}
+
+void check_deformation(const Mesh& mesh) {
+    if (!mesh.rest) fail(mesh, "has a deformation, but is no form of a mesh");
+    const auto has_arrays = [](const Primitive& p) { return !p.positions.empty() || !p.triangles.empty() || !p.targets.empty() || p.influence_count != 0; };
+    if (std::ranges::any_of(mesh.primitives, has_arrays)) fail(mesh, "has both a deformation and arrays");
+    if (!all_finite(mesh.deformation->weights)) fail(mesh, "has a morph weight that is not finite");
+    for (const glm::mat4x3& m : mesh.deformation->object_from_rest)
+        for (int column = 0; column < 4; ++column)
+            if (!finite(m[column])) fail(mesh, "has a joint whose place is not finite");
+}
+
 }  // namespace
 
 void check_value(const Image& image) {
@@ -69,6 +93,7 @@ void check_value(const Material& m) {
 }
 
 void check_value(const Mesh& mesh) {
+    if (mesh.deformation) check_deformation(mesh);
     for (const Primitive& primitive : mesh.primitives) {
         const size_t vertices = primitive.positions.size();
         if (vertices > 0xFFFFFFFFull || primitive.triangles.size() > 0xFFFFFFFFull / 3) fail(mesh, "has more than 2^32 indices");
@@ -88,7 +113,7 @@ void check_value(const Mesh& mesh) {
         const uint64_t influences = uint64_t(primitive.influence_count) * vertices;
         if (primitive.joints.size() != influences || primitive.joint_weights.size() != influences)
             fail(mesh, fmt::format("has {} joints and {} weights, expected {}", primitive.joints.size(), primitive.joint_weights.size(), influences));
-        if (!all_finite(primitive.joint_weights)) fail(mesh, "its joint weights have a value that is not finite");
+        check_joint_weights(mesh, primitive);
         for (const glm::uvec3& t : primitive.triangles)
             if (t.x >= vertices || t.y >= vertices || t.z >= vertices)
                 fail(mesh, fmt::format("triangle ({}, {}, {}) names a vertex beyond {}", t.x, t.y, t.z, vertices));

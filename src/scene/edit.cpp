@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "scene/scene.h"
+#include "scene/deform.h"
 #include "scene/scene_refs.h"
 
 namespace parhelion {
@@ -157,17 +157,50 @@ struct Scene::Checker {
     void operator()(const SceneEdit::Add<T>& step) {
         detail::check_value(step.value);
         check_refs(step.value);
-        if constexpr (std::is_same_v<T, Mesh>) {
-            if (step.value.rest) check_form(step.value, step.value.rest.pending() ? *added_meshes[step.value.rest.index] : scene.get(step.value.rest));
-            added_meshes.push_back(&step.value);
-        }
         ++added[kKind<T>];
+    }
+    // What Scene keeps of a mesh is filled in here: a deformation is checked by how far it reaches.
+    void operator()(SceneEdit::Add<Mesh>& step) {
+        Mesh& mesh = step.value;
+        detail::check_value(mesh);
+        check_refs(mesh);
+        const Mesh* rest = !mesh.rest ? nullptr : mesh.rest.pending() ? added_meshes[mesh.rest.index] : &scene.get(mesh.rest);
+        if (rest) check_form(mesh, *rest);
+        mesh.bounds = {};
+        mesh.triangle_count = 0;
+        for (size_t i = 0; i < mesh.primitives.size(); ++i) {
+            Primitive& primitive = mesh.primitives[i];
+            if (mesh.deformation) primitive.bounds = deformed_bounds(rest->primitives[i], *mesh.deformation);
+            else detail::keep_bounds(primitive);
+            mesh.bounds.add(primitive.bounds);
+            mesh.triangle_count += mesh.deformation ? rest->primitives[i].triangles.size() : primitive.triangles.size();
+        }
+        if (mesh.deformation) check_reach(mesh);
+        added_meshes.push_back(&mesh);
+        ++added[kKind<Mesh>];
+    }
+    static void check_reach(const Mesh& form) {
+        const glm::vec3 far = glm::max(glm::abs(form.bounds.min), glm::abs(form.bounds.max));
+        if (form.bounds.empty() || std::max({far.x, far.y, far.z}) <= kLargestCoordinate) return;
+        throw Error(ErrorCode::Failed, fmt::format("is deformed beyond {:g} metres", kLargestCoordinate), fmt::format("mesh '{}'", escape_name(form.name)), "look at its skin and its morph weights");
+    }
+    // The joints and targets that a deformation names exist.
+    static void check_deformation(const Mesh& form, const Mesh& rest) {
+        const auto fail = [&](std::string what) { throw Error(ErrorCode::Failed, std::move(what), fmt::format("mesh '{}'", escape_name(form.name))); };
+        const MeshDeformation& d = *form.deformation;
+        for (const Primitive& primitive : rest.primitives) {
+            if (d.weights.size() > primitive.targets.size()) fail(fmt::format("has {} morph weights, but '{}' has {} targets", d.weights.size(), escape_name(rest.name), primitive.targets.size()));
+            if (!d.object_from_rest.empty() && primitive.joint_bounds.size() > d.object_from_rest.size())
+                fail(fmt::format("names joint {}, but its skin has {}", primitive.joint_bounds.size() - 1, d.object_from_rest.size()));
+        }
+        if (any_mirrors(d)) fail("has a joint that mirrors: make the form's arrays with deformed() instead");
     }
     // What a refit leans on.
     static void check_form(const Mesh& form, const Mesh& rest) {
-        const bool same = std::ranges::equal(form.primitives, rest.primitives, [](const Primitive& a, const Primitive& b) {
-            return a.positions.size() == b.positions.size() && a.triangles.size() == b.triangles.size();
+        const bool same = std::ranges::equal(form.primitives, rest.primitives, [&](const Primitive& a, const Primitive& b) {
+            return form.deformation || (a.positions.size() == b.positions.size() && a.triangles.size() == b.triangles.size());
         });
+        if (form.deformation && same && !rest.rest) check_deformation(form, rest);
         if (same && !rest.rest) return;
         throw Error(ErrorCode::Failed, fmt::format("is no deformed form of '{}', which {}", escape_name(rest.name), same ? "is a form itself" : "has other numbers of primitives, vertices or triangles"),
                     fmt::format("mesh '{}'", escape_name(form.name)), "name the mesh at rest in Mesh::rest, or none");
@@ -288,21 +321,9 @@ struct Scene::Applier {
     static constexpr bool kPlaced =
         std::is_same_v<T, Node> || std::is_same_v<T, Instance> || std::is_same_v<T, Light> || std::is_same_v<T, Camera>;
 
-    static void prepare(Mesh& mesh) {
-        mesh.bounds = {};
-        mesh.triangle_count = 0;
-        for (Primitive& primitive : mesh.primitives) {
-            primitive.bounds = {};
-            for (const glm::vec3& p : primitive.positions) primitive.bounds.add(p);
-            mesh.bounds.add(primitive.bounds);
-            mesh.triangle_count += primitive.triangles.size();
-        }
-    }
-
     template <class T>
     void operator()(SceneEdit::Add<T>& step) {
         detail::visit_refs(step.value, [&](auto& handle, bool) { handle = changes.resolve(handle); });
-        if constexpr (std::is_same_v<T, Mesh>) prepare(step.value);
         if constexpr (std::is_same_v<T, Node>) {
             step.value.children.clear();
             step.value.instances.clear();
@@ -432,7 +453,7 @@ struct Scene::Applier {
 
 ChangeSet Scene::apply(SceneEdit edit) {
     Checker checker{*this, edit};
-    for (const SceneEdit::Step& step : edit.steps_) std::visit(checker, step);
+    for (SceneEdit::Step& step : edit.steps_) std::visit(checker, step);
     if (checker.removes) checker.check_removed_unused();
 
     ChangeSet changes;

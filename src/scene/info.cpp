@@ -36,7 +36,7 @@ void describe_geometry(const Scene& scene, SceneInfo& info) {
     for (const auto& [handle, instance] : scene.instances()) {
         const Mesh& mesh = scene.get(instance.drawn_mesh());
         info.instanced_triangles += mesh.triangle_count;
-        for (const Primitive& primitive : mesh.primitives) {
+        for (const Primitive& primitive : scene.get(mesh.deformation ? mesh.rest : instance.drawn_mesh()).primitives) {
             const Material& material = scene.get(primitive.material);
             if (material.emission == glm::vec3(0.0f) || material.unlit) continue;
             ++info.emitters;

@@ -7,29 +7,15 @@
 #include <unordered_set>
 
 #include "base/log.h"
-#include "base/parallel.h"
 #include "scene/animation.h"
+#include "scene/deform.h"
 
 namespace parhelion {
 
 namespace {
 
-using Affine = glm::dmat4x3;  // three rows of four: the last row of an affine matrix is known
-
-constexpr size_t kVerticesAtOnce = 4096;
-
-glm::dvec3 unit_or(glm::dvec3 v, glm::dvec3 otherwise) {
-    const double length = glm::length(v);
-    return length > 0.0 ? v / length : otherwise;
-}
-
-// Without what deforms it.
-Primitive plain_copy(const Primitive& p) {
-    return {.positions = p.positions, .normals = p.normals, .tangents = p.tangents, .uv0 = p.uv0, .uv1 = p.uv1, .colors = p.colors,
-            .triangles = p.triangles, .material = p.material, .variant_materials = p.variant_materials};
-}
-
-uint64_t copied_bytes(const Mesh& mesh) {
+// What a form takes: on the host, or of the device's memory.
+uint64_t shape_bytes(const Mesh& mesh) {
     uint64_t bytes = sizeof(Mesh);
     for (const Primitive& p : mesh.primitives)
         bytes += sizeof(Primitive) + (p.positions.size() + p.normals.size() + p.triangles.size()) * sizeof(glm::vec3) +
@@ -43,76 +29,22 @@ bool has_joints(const Mesh& mesh) {
     return std::any_of(mesh.primitives.begin(), mesh.primitives.end(), [](const Primitive& p) { return p.influence_count != 0; });
 }
 
-// ---- morph targets: glTF 2.0, 3.7.2.2 ----
-
-void morph(const Primitive& rest, const std::vector<float>& weights, Primitive& out) {
-    std::vector<std::pair<const MorphTarget*, double>> active;
-    for (size_t i = 0; i < std::min(weights.size(), rest.targets.size()); ++i)
-        if (weights[i] != 0.0f) active.emplace_back(&rest.targets[i], weights[i]);
-    if (active.empty()) return;
-    const auto moved = [&](glm::dvec3 v, std::vector<glm::vec3> MorphTarget::*deltas, size_t i) {
-        for (const auto& [target, weight] : active)
-            if (!(target->*deltas).empty()) v += weight * glm::dvec3((target->*deltas)[i]);
-        return v;
-    };
-    parallel_for(out.positions.size(), kVerticesAtOnce, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) {
-            out.positions[i] = glm::vec3(moved(glm::dvec3(rest.positions[i]), &MorphTarget::positions, i));
-            if (!out.normals.empty()) {
-                const glm::dvec3 n(rest.normals[i]);
-                out.normals[i] = glm::vec3(unit_or(moved(n, &MorphTarget::normals, i), n));
-            }
-            if (!out.tangents.empty()) {
-                const glm::dvec3 t(rest.tangents[i]);
-                out.tangents[i] = glm::vec4(glm::vec3(unit_or(moved(t, &MorphTarget::tangents, i), t)), rest.tangents[i].w);
-            }
-        }
-    });
-}
-
-Mesh morphed(const Mesh& rest, const std::vector<float>& weights) {
-    Mesh out{.name = rest.name};
-    for (const Primitive& primitive : rest.primitives) {
-        out.primitives.push_back(plain_copy(primitive));
-        morph(primitive, weights, out.primitives.back());
-    }
-    return out;
-}
-
-// ---- skins: glTF 2.0, 3.7.3.3 ----
-
-void check_joints(const Mesh& mesh, const Primitive& primitive, size_t joint_count) {
-    for (const uint16_t joint : primitive.joints)
-        if (joint >= joint_count)
-            throw Error(ErrorCode::Failed, fmt::format("names joint {}, but its skin has {}", joint, joint_count),
+void check_joints(const Mesh& mesh, size_t joint_count) {
+    for (const Primitive& primitive : mesh.primitives)
+        if (primitive.joint_bounds.size() > joint_count)
+            throw Error(ErrorCode::Failed, fmt::format("names joint {}, but its skin has {}", primitive.joint_bounds.size() - 1, joint_count),
                         fmt::format("mesh '{}'", escape_name(mesh.name)));
 }
 
-// `joints` has the joints and weights of the vertices of `out`, which holds them at rest.
-void skin(const Primitive& joints, const std::vector<Affine>& world_from_rest, const glm::dmat4& object_from_world, Primitive& out) {
-    const uint32_t n = joints.influence_count;
-    std::vector<uint8_t> mirrored(out.positions.size(), 0);
-    parallel_for(out.positions.size(), kVerticesAtOnce, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) {
-            Affine blended(0.0);
-            for (size_t k = i * n; k < (i + 1) * n; ++k)
-                if (joints.joint_weights[k] != 0.0f) blended += double(joints.joint_weights[k]) * world_from_rest[joints.joints[k]];
-            const glm::dvec3 world = blended * glm::dvec4(out.positions[i], 1.0);
-            out.positions[i] = glm::vec3(object_from_world * glm::dvec4(world, 1.0));
-            const glm::dmat3 m = glm::dmat3(object_from_world) * glm::dmat3(blended);
-            // The cofactors are the inverse transpose times the determinant, and need no inverse.
-            const glm::dmat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
-            const double side = glm::dot(m[0], cofactors[0]) < 0.0 ? -1.0 : 1.0;
-            mirrored[i] = side < 0.0 ? 1 : 0;
-            if (!out.normals.empty()) out.normals[i] = glm::vec3(unit_or(side * (cofactors * glm::dvec3(out.normals[i])), glm::dvec3(0.0)));
-            if (!out.tangents.empty()) {
-                const glm::vec4 t = out.tangents[i];
-                out.tangents[i] = glm::vec4(glm::vec3(unit_or(m * glm::dvec3(t), glm::dvec3(0.0))), t.w * static_cast<float>(side));
-            }
-        }
-    });
-    for (glm::uvec3& t : out.triangles)
-        if (mirrored[t.x] + mirrored[t.y] + mirrored[t.z] >= 2) std::swap(t.y, t.z);
+// A form of the mesh `handle`, or, of a mesh that is one itself, another of that. Joints that mirror turn triangles over, which only a
+// shape that is made here can show.
+Mesh make_form(const Mesh& rest, Handle<Mesh> handle, MeshDeformation&& deformation) {
+    if (rest.rest || any_mirrors(deformation)) return deformed(rest, handle, deformation);
+    Mesh out{.name = rest.name};
+    out.rest = handle;
+    for (const Primitive& p : rest.primitives) out.primitives.push_back({.material = p.material, .variant_materials = p.variant_materials});
+    out.deformation = std::move(deformation);
+    return out;
 }
 
 // ---- the scene ----
@@ -241,34 +173,41 @@ private:
     }
 
     void deform(const Group& group) {
-        if (charge_) charge_(copied_bytes(*group.rest));
-        Mesh base = morphed(*group.rest, group.weights);
-        base.rest = group.rest_handle;
         for (const Handle<Instance> handle : group.skinned) {
-            if (charge_) charge_(copied_bytes(base));
-            Mesh mesh = base;
-            const Instance& instance = scene_.get(handle);
-            const std::vector<Affine>& palette = palette_of(instance.skin);
-            const glm::dmat4 object_from_world = glm::inverse(glm::dmat4(place_of(instance.place)));
-            for (size_t i = 0; i < mesh.primitives.size(); ++i) {
-                const Primitive& rest = group.rest->primitives[i];
-                check_joints(*group.rest, rest, palette.size());
-                if (rest.influence_count != 0) skin(rest, palette, object_from_world, mesh.primitives[i]);
-            }
-            edit_.set_pose(handle, edit_.add(std::move(mesh)), now(handle, instance));
+            const std::vector<glm::dmat4x3>& palette = palette_of(scene_.get(handle).skin);
+            check_joints(*group.rest, palette.size());
+            MeshDeformation deformation{.weights = group.weights};
+            const glm::dmat4 object_from_world = glm::inverse(glm::dmat4(place_of(scene_.get(handle).place)));
+            for (const glm::dmat4x3& m : palette) deformation.object_from_rest.emplace_back(glm::mat4(object_from_world * glm::dmat4(m)));
+            give_form({&handle, 1}, group, std::move(deformation));
         }
-        if (group.rigid.empty()) return;
-        const Handle<Mesh> shared = edit_.add(std::move(base));
-        for (const Handle<Instance> handle : group.rigid) edit_.set_pose(handle, shared, now(handle, scene_.get(handle)));
+        if (!group.rigid.empty()) give_form(group.rigid, group, {.weights = group.weights});
+    }
+
+    // One form for them all: the one that they have, if it is the same.
+    void give_form(std::span<const Handle<Instance>> instances, const Group& group, MeshDeformation&& deformation) {
+        const Handle<Mesh> present = scene_.get(instances.front()).posed;
+        const bool stays = present && scene_.get(present).deformation == deformation &&
+                           std::ranges::all_of(instances, [&](Handle<Instance> i) { return scene_.get(i).posed == present; });
+        Handle<Mesh> form = present;
+        if (stays) used_.insert(present);
+        else {
+            if (charge_) charge_(shape_bytes(*group.rest));
+            form = edit_.add(make_form(*group.rest, group.rest_handle, std::move(deformation)));
+        }
+        for (const Handle<Instance> handle : instances) {
+            std::vector<float> weights = now(handle, scene_.get(handle));
+            if (!stays || weights != scene_.get(handle).weights) edit_.set_pose(handle, form, std::move(weights));
+        }
     }
 
     // world_from_joint x inverse_bind of every joint.
-    const std::vector<Affine>& palette_of(Handle<Skin> handle) {
+    const std::vector<glm::dmat4x3>& palette_of(Handle<Skin> handle) {
         const auto [entry, added] = palettes_.try_emplace(handle);
         if (added) {
             const Skin& skin = scene_.get(handle);
             for (size_t i = 0; i < skin.joints.size(); ++i)
-                entry->second.push_back(Affine(worlds_[skin.joints[i].index] * glm::dmat4(skin.inverse_bind[i])));
+                entry->second.push_back(glm::dmat4x3(worlds_[skin.joints[i].index] * glm::dmat4(skin.inverse_bind[i])));
         }
         return entry->second;
     }
@@ -284,7 +223,7 @@ private:
     std::unordered_map<Handle<Node>, Transform> locals_;  // of nodes that an animation moves
     std::unordered_map<Handle<Instance>, std::vector<float>> weights_;
     std::vector<glm::dmat4> worlds_;  // by node slot
-    std::unordered_map<Handle<Skin>, std::vector<Affine>> palettes_;
+    std::unordered_map<Handle<Skin>, std::vector<glm::dmat4x3>> palettes_;
     std::unordered_set<Handle<Mesh>> used_;  // by what this edit leaves as it is
     std::vector<Handle<Mesh>> replaced_;
 };

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/deform.h"
+
 namespace parhelion {
 
 std::vector<uint8_t> rgba8_texels(const Image& image) {
@@ -101,10 +103,24 @@ ChangeSet::Changed<Camera>& ChangeSet::of<Camera>() {
     return cameras;
 }
 
+namespace {
+
+// Of a form: its own is larger.
+Bounds bounds_of_shape(const Scene& scene, const Mesh& form) {
+    Bounds box;
+    Primitive storage;
+    for (size_t i = 0; i < form.primitives.size(); ++i)
+        for (const glm::vec3& p : drawn_shape(scene, form, i, storage).positions) box.add(p);
+    return box;
+}
+
+}  // namespace
+
 Bounds Scene::bounds() const {
     Bounds world;
     for (const auto& [handle, instance] : instances()) {
-        const Bounds& box = get(instance.drawn_mesh()).bounds;
+        const Mesh& mesh = get(instance.drawn_mesh());
+        const Bounds box = mesh.deformation ? bounds_of_shape(*this, mesh) : mesh.bounds;
         if (box.empty() || !drawable(instance.place.world_from_object)) continue;
         for (int corner = 0; corner < 8; ++corner) {
             const glm::vec3 p(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y, corner & 4 ? box.max.z : box.min.z);

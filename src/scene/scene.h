@@ -75,7 +75,8 @@ public:
     const Environment& environment() const { return environment_; }
     const SceneSource& source() const { return source_; }
 
-    // World bounds of all drawable instances (of their meshes' boxes: exact for axis-aligned placements, never too small).
+    // World bounds of all drawable instances (of their meshes' boxes: exact for axis-aligned placements, never too small). Forms that the
+    // device makes are made for it on the host.
     Bounds bounds() const;
 
     // Does the whole edit, or throws Error (stale or foreign handle, something still in use, a value out of range) and changes nothing.

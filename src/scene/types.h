@@ -164,6 +164,7 @@ std::span<const MaterialTexture> material_textures();
 // What one morph target adds to each vertex at weight 1; arrays are empty or as long as the primitive's positions.
 struct MorphTarget {
     std::vector<glm::vec3> positions, normals, tangents;
+    Bounds reach;  // kept by Scene: of `positions`, the zero too
 };
 
 // Triangles with one material. Attribute arrays are empty or as long as `positions`; indices lie below that length.
@@ -180,8 +181,16 @@ struct Primitive {
     // Skinning: influence_count joints (numbers in the instance's Skin) and weights a vertex, one vertex after the other.
     uint32_t influence_count = 0;
     std::vector<uint16_t> joints;
-    std::vector<float> joint_weights;  // sum 1
-    Bounds bounds;                     // kept by Scene
+    std::vector<float> joint_weights;  // not negative, sum 1
+    std::vector<Bounds> joint_bounds;  // kept by Scene: by joint, of the vertices that it moves
+    Bounds bounds;                     // kept by Scene; of a form that has a deformation: not too small
+};
+
+// What moves the vertices of a mesh at rest: its morph targets, then a skin (glTF 2.0, 3.7.2.2 and 3.7.3.3). Normals and tangents go along.
+struct MeshDeformation {
+    std::vector<float> weights;                 // of the first morph targets; the others have none
+    std::vector<glm::mat4x3> object_from_rest;  // by joint; empty: no skin. None of them mirrors
+    bool operator==(const MeshDeformation&) const = default;
 };
 
 struct Mesh {
@@ -193,7 +202,10 @@ struct Mesh {
     // The mesh that this one is a deformed form of, which says that its acceleration structures can be refitted instead of built: as
     // many primitives, of as many vertices and triangles each. A form of a form is refused; none: a mesh of its own.
     Handle<Mesh> rest;
-    Bounds bounds;                          // kept by Scene
+    // A form may say how `rest` is deformed, and then has no arrays of its own, but primitives with materials: the device makes them from
+    // those of `rest`, drawn_shape() (scene/deform.h) on the host.
+    std::optional<MeshDeformation> deformation;
+    Bounds bounds;                // kept by Scene, as Primitive::bounds
     uint64_t triangle_count = 0;  // kept by Scene
 };
 

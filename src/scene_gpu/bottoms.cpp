@@ -126,8 +126,8 @@ gpu::BlasBuild make_build(const MeshOnDevice& mesh, const OpacityFlags& flags) {
 }
 
 // Vulkan lets a refit change positions only, so a form that winds some triangles the other way (mirroring joints) is built.
-bool same_triangles(const Mesh& a, const Mesh& b) {
-    return std::ranges::equal(a.primitives, b.primitives, [](const Primitive& x, const Primitive& y) { return x.triangles == y.triangles; });
+bool same_triangles(const Mesh& form, const Mesh& rest) {
+    return form.deformation || std::ranges::equal(form.primitives, rest.primitives, [](const Primitive& x, const Primitive& y) { return x.triangles == y.triangles; });
 }
 
 }  // namespace
@@ -168,8 +168,8 @@ void SceneGpu::State::build_driver_bottoms(Frame& frame, Slice& slice) {
         }
         (build.refit_from ? refits : builds).push_back(std::move(build));
     }
-    if (!builds.empty()) frame.build_blas(std::move(builds), geometry_pool.buffers());
-    if (!refits.empty()) frame.build_blas(std::move(refits), geometry_pool.buffers());
+    if (!builds.empty()) frame.build_blas(std::move(builds), geometry_buffers());
+    if (!refits.empty()) frame.build_blas(std::move(refits), geometry_buffers());
     if (!options.compact || measurement.meshes.empty()) return;
     measurement.sizes = gpu::AccelSizes(device, static_cast<uint32_t>(measurement.built.size()));
     frame.measure_blas(measurement.built, measurement.sizes);

@@ -24,7 +24,7 @@ void SceneGpu::State::place_drawn(std::span<const uint32_t> drawn, std::span<Mes
         const Mesh& mesh = scene->get(instance.drawn_mesh());
         const bool culled_as_a_whole = instance.opacity == InstanceOpacity::Opaque && opacity_flags(*scene, mesh, options.culling).cull_by_flag;
         for (uint32_t g = 0; g < mesh.primitives.size(); ++g) {
-            if (mesh.primitives[g].triangles.empty()) continue;
+            if (drawn_mesh[i]->parts[g].triangle_count == 0) continue;
             const uint32_t flags = geometries[drawn_mesh[i]->geometry_base + g].flags;
             const Bounds& box = mesh.primitives[g].bounds;
             kinds[kind_of(flags, instance.opacity, options.culling, culled_as_a_whole)].push_back({drawn[i], g, box.min, box.max});

@@ -1,9 +1,11 @@
 // The lower level of the light table: of each emissive geometry its triangles, by the light that they give off in object space. It
-// depends on the mesh and on the emission's colour and texture; neither motion nor brightness remakes it.
+// depends on the mesh and on the emission's colour and texture; neither motion nor brightness remakes it. A deformed form has its own, by the
+// areas that its triangles have now, made on the host of its emissive geometries alone.
 #include <algorithm>
 #include <map>
 
 #include "sampling/alias_table.h"
+#include "scene/deform.h"
 #include "scene/shown_texture.h"
 #include "scene_gpu/state.h"
 
@@ -37,8 +39,8 @@ std::vector<shared::AliasEntry> make_alias_rows(std::span<const double> weights)
     return rows;
 }
 
-bool EmissivePart::same_light(const EmissivePart& other) const {
-    if (mesh != other.mesh || primitive != other.primitive || texture != other.texture) return false;
+bool EmissivePart::same_look(const EmissivePart& other) const {
+    if (rest != other.rest || primitive != other.primitive || texture != other.texture) return false;
     const glm::vec3 away = glm::abs(tint - other.tint);  // the same colour in another brightness differs by rounding
     return !texture || (ref.uv_set == other.ref.uv_set && ref.row0 == other.ref.row0 && ref.row1 == other.ref.row1 && std::max({away.x, away.y, away.z}) < 1e-5f);
 }
@@ -49,8 +51,8 @@ std::vector<EmissivePart> SceneGpu::State::find_emissive_parts() const {
         const Mesh& mesh = scene->get(handle);
         for (uint32_t g = 0; g < mesh.primitives.size(); ++g) {
             const Material& material = scene->get(mesh.primitives[g].material);
-            if (mesh.primitives[g].triangles.empty() || material.emission == glm::vec3(0.0f) || material.unlit) continue;
-            EmissivePart& part = parts.emplace_back(EmissivePart{.mesh = handle, .primitive = g, .texture = material.emissive_texture.texture});
+            if (meshes.at(handle).parts[g].triangle_count == 0 || material.emission == glm::vec3(0.0f) || material.unlit) continue;
+            EmissivePart& part = parts.emplace_back(EmissivePart{.mesh = handle, .rest = mesh.rest ? mesh.rest : handle, .primitive = g, .texture = material.emissive_texture.texture});
             if (!part.texture) continue;
             part.ref = materials[mesh.primitives[g].material.index].emissive_texture;
             part.tint = material.emission / std::max({material.emission.x, material.emission.y, material.emission.z});
@@ -61,7 +63,7 @@ std::vector<EmissivePart> SceneGpu::State::find_emissive_parts() const {
 
 void SceneGpu::State::make_triangle_tables() {
     std::vector<EmissivePart> parts = find_emissive_parts();
-    if (triangle_alias && std::ranges::equal(parts, emissive_parts, [](const EmissivePart& a, const EmissivePart& b) { return a.same_light(b); })) return;
+    if (triangle_alias && std::ranges::equal(parts, emissive_parts, [](const EmissivePart& a, const EmissivePart& b) { return a.mesh == b.mesh && a.same_look(b); })) return;
 
     std::map<std::pair<uint64_t, uint32_t>, const EmissivePart*> known;
     const auto key = [](const EmissivePart& part) { return std::pair(uint64_t(part.mesh.generation) << 32 | part.mesh.index, part.primitive); };
@@ -69,10 +71,18 @@ void SceneGpu::State::make_triangle_tables() {
     std::vector<EmissivePart*> missing;
     for (EmissivePart& part : parts) {
         const auto found = known.find(key(part));
-        if (found != known.end() && part.same_light(*found->second))
+        if (found != known.end() && part.same_look(*found->second)) {
             part.table = found->second->table;
-        else
+            continue;
+        }
+        // A form shows what others of its mesh show, on triangles of other sizes.
+        const auto alike = std::ranges::find_if(emissive_parts, [&](const EmissivePart& other) { return other.table && part.same_look(other); });
+        if (alike == emissive_parts.end()) {
             missing.push_back(&part);
+            continue;
+        }
+        Primitive storage;
+        part.table = make_emissive_table(drawn_shape(*scene, scene->get(part.mesh), part.primitive, storage), alike->table->shown);
     }
     // Material by material, so that one unpacked texture at a time is held.
     const auto material_of = [&](const EmissivePart* part) { return scene->get(part->mesh).primitives[part->primitive].material; };
@@ -80,7 +90,8 @@ void SceneGpu::State::make_triangle_tables() {
     std::unique_ptr<ShownTexture> texture;
     Handle<Material> texture_of;
     for (EmissivePart* part : missing) {
-        const Primitive& primitive = scene->get(part->mesh).primitives[part->primitive];
+        Primitive storage;
+        const Primitive& primitive = drawn_shape(*scene, scene->get(part->mesh), part->primitive, storage);
         std::vector<float> shown;
         if (part->texture) {
             const Texture& source = scene->get(part->texture);

@@ -24,13 +24,7 @@ shared::VertexAttributes attributes_of(const Primitive& primitive, size_t i) {
             .color = primitive.colors.empty() ? ~0u : pack_color(primitive.colors[i])};
 }
 
-template <class T>
-RowSource array_source(const BufferRange& to, const std::vector<T>& values) {
-    return {to.buffer, to.offset, sizeof(T), values.size(),
-            [&values](std::byte* out, uint64_t first, uint64_t count) { std::memcpy(out, values.data() + first, count * sizeof(T)); }};
-}
-
-RowSource attribute_source(const BufferRange& to, const Primitive& primitive) {
+RowSource attribute_rows(const BufferRange& to, const Primitive& primitive) {
     return {to.buffer, to.offset, sizeof(shared::VertexAttributes), primitive.positions.size(), [&primitive](std::byte* out, uint64_t first, uint64_t count) {
                 for (uint64_t i = 0; i < count; ++i) {
                     const shared::VertexAttributes row = attributes_of(primitive, first + i);
@@ -58,21 +52,28 @@ std::vector<bool> find_drawn(const Scene& scene) {
 
 }  // namespace
 
+std::vector<gpu::Buffer> SceneGpu::State::geometry_buffers() const {
+    std::vector<gpu::Buffer> buffers = geometry_pool.buffers(), forms = form_pool.buffers();
+    buffers.insert(buffers.end(), forms.begin(), forms.end());
+    return buffers;
+}
+
 void SceneGpu::State::plan_meshes() {
-    for (auto& [handle, mesh] : meshes) mesh.wanted = mesh.drawn = mesh.has_forms = false;
+    for (auto& [handle, mesh] : meshes) mesh.wanted = mesh.drawn = mesh.has_forms = mesh.has_made = false;
     wanted_meshes.clear();
     resident_meshes.clear();
     const std::vector<bool> drawn = find_drawn(*scene);
-    uint64_t new_bytes = 0, new_triangles = 0, new_nodes = 0;
+    uint64_t new_bytes = 0, new_form_bytes = 0, new_triangles = 0, new_nodes = 0;
     const auto want = [&](Handle<Mesh> handle, const Mesh& mesh) -> MeshOnDevice& {
         const auto [at, is_new] = meshes.try_emplace(handle);
         MeshOnDevice& on_device = at->second;
         on_device.wanted = true;
         if (!is_new) return on_device;
         on_device.rest = mesh.rest;
-        on_device.bytes = bytes_of(mesh);
+        on_device.made_here = mesh.deformation.has_value();
+        on_device.bytes = bytes_of(mesh.deformation ? scene->get(mesh.rest) : mesh);
         on_device.triangle_count = mesh.triangle_count;
-        new_bytes += on_device.bytes + 64 * mesh.primitives.size();  // arrays are aligned
+        (on_device.made_here ? new_form_bytes : new_bytes) += on_device.bytes + 64 * mesh.primitives.size();  // arrays are aligned
         new_triangles += mesh.triangle_count;
         new_nodes += mesh.triangle_count / (layout == bvh::Layout::Binary ? 2 : 5) + 1;  // about; more make the array grow
         return on_device;
@@ -85,6 +86,7 @@ void SceneGpu::State::plan_meshes() {
         MeshOnDevice& rest = want(mesh.rest, scene->get(mesh.rest));
         if (!rest.has_forms) resident_meshes.push_back(mesh.rest);
         rest.has_forms = true;
+        rest.has_made |= mesh.deformation.has_value();
     }
     for (const Handle<Mesh> handle : wanted_meshes)
         if (!meshes.at(handle).has_forms) resident_meshes.push_back(handle);
@@ -92,6 +94,7 @@ void SceneGpu::State::plan_meshes() {
     forget_meshes([](const MeshOnDevice& mesh) { return !mesh.wanted && mesh.drawn_at == 0; });
     if (new_triangles == 0) return;
     geometry_pool.expect(new_bytes);
+    form_pool.expect(new_form_bytes);
     bottom_nodes.expect(new_nodes);
     bottom_triangles.expect(new_triangles);
 }
@@ -99,7 +102,7 @@ void SceneGpu::State::plan_meshes() {
 void SceneGpu::State::upload_meshes(Frame& frame, Slice& slice) {
     for (const Handle<Mesh> handle : resident_meshes) {
         MeshOnDevice& mesh = meshes.at(handle);
-        if (mesh.uploaded || !needs_geometry(mesh)) continue;
+        if (mesh.uploaded || mesh.made_here || !needs_geometry(mesh)) continue;
         if (!slice.has_bytes()) return;
         const Mesh& source = scene->get(handle);
         if (mesh.parts.empty()) {
@@ -113,9 +116,9 @@ void SceneGpu::State::upload_meshes(Frame& frame, Slice& slice) {
         }
         std::vector<RowSource> rows;
         for (size_t i = 0; i < source.primitives.size(); ++i) {
-            rows.push_back(array_source(mesh.parts[i].positions, source.primitives[i].positions));
-            rows.push_back(array_source(mesh.parts[i].indices, source.primitives[i].triangles));
-            rows.push_back(attribute_source(mesh.parts[i].attributes, source.primitives[i]));
+            rows.push_back(array_rows(mesh.parts[i].positions, source.primitives[i].positions));
+            rows.push_back(array_rows(mesh.parts[i].indices, source.primitives[i].triangles));
+            rows.push_back(attribute_rows(mesh.parts[i].attributes, source.primitives[i]));
         }
         mesh.uploaded = upload_rows(frame, slice, rows, mesh.done_rows);
     }
@@ -152,20 +155,33 @@ void SceneGpu::State::make_geometries() {
     geometry_table = make_table("geometries", std::span<const shared::Geometry>(geometries));
 }
 
+// All that a mesh takes of what the scene shares.
+void SceneGpu::State::give_back(const MeshOnDevice& mesh) {
+    BufferPool& pool = mesh.made_here ? form_pool : geometry_pool;
+    for (const PartOnDevice& part : mesh.parts) {
+        pool.give(part.positions);
+        pool.give(part.attributes);
+        if (!mesh.made_here) pool.give(part.indices);
+    }
+    for (const DeformersOnDevice& deformers : mesh.deformers) {
+        deformer_pool.give(deformers.influences);
+        for (const std::array<BufferRange, 3>& target : deformers.targets)
+            for (const BufferRange& range : target) deformer_pool.give(range);
+    }
+    geometry_rows.give(mesh.geometry_base, mesh.parts.size());
+    bottom_nodes.give(mesh.own_nodes, mesh.own_node_count);
+    bottom_triangles.give(mesh.own_triangles, mesh.own_triangle_count);
+    plan_nodes.give(mesh.plan.nodes, mesh.plan.node_count);
+    plan_triangles.give(mesh.plan.triangles, mesh.plan.triangle_count);
+}
+
 void SceneGpu::State::forget_meshes(const std::function<bool(const MeshOnDevice&)>& choose) {
     for (auto at = meshes.begin(); at != meshes.end();) {
         if (!choose(at->second)) {
             ++at;
             continue;
         }
-        const MeshOnDevice& mesh = at->second;
-        for (const PartOnDevice& part : mesh.parts)
-            for (const BufferRange* range : {&part.positions, &part.indices, &part.attributes}) geometry_pool.give(*range);
-        geometry_rows.give(mesh.geometry_base, mesh.parts.size());
-        bottom_nodes.give(mesh.own_nodes, mesh.own_node_count);
-        bottom_triangles.give(mesh.own_triangles, mesh.own_triangle_count);
-        plan_nodes.give(mesh.plan.nodes, mesh.plan.node_count);
-        plan_triangles.give(mesh.plan.triangles, mesh.plan.triangle_count);
+        give_back(at->second);
         at = meshes.erase(at);
     }
 }

@@ -111,7 +111,12 @@ void SceneGpu::State::translate_instances(std::span<const Handle<Instance>> new_
     if (!anything_stale) return;
     instances_before = static_cast<uint32_t>(instances.size());
     instance_translation = {};
-    for (const uint32_t row : left_rows) instances[row].world_from_object_before = instances[row].world_from_object;
+    for (const uint32_t row : left_rows) {
+        instances[row].world_from_object_before = instances[row].world_from_object;
+        instances[row].geometry_base_before = instances[row].geometry_base;
+    }
+    row_meshes.resize(instance_handles.size());
+    for (const Handle<Instance> handle : new_ones) row_meshes[instance_rows[handle.index].row] = {};
     const auto is_old = [&](Handle<Instance> handle) { return instance_rows[handle.index].row < instances_before; };
     if (left_rows.empty() && std::ranges::none_of(new_ones, is_old)) return;
     std::vector<uint32_t> rows(instances_before);
@@ -131,10 +136,19 @@ std::vector<MeshOnDevice*> SceneGpu::State::note_drawn(std::span<const uint32_t>
     for (const uint32_t row : drawn) {
         MeshOnDevice* mesh = by_index[scene->get(instance_handles[row]).drawn_mesh().index];
         mesh->drawn_at = published + 1;
+        if (mesh->made_here) meshes.at(mesh->rest).drawn_at = published + 1;  // whose triangles it has
         stats.instanced_triangles += mesh->triangle_count;
         out.push_back(mesh);
     }
     return out;
+}
+
+// The geometries of what the row drew a frame ago, if that was a form of the same mesh: its vertices are those of now, elsewhere.
+uint32_t SceneGpu::State::base_before(uint32_t row, const MeshOnDevice& mesh, Handle<Mesh> handle) const {
+    const auto drawn = meshes.find(row_meshes[row]);
+    if (drawn == meshes.end()) return mesh.geometry_base;
+    const Handle<Mesh> rest_before = drawn->second.rest ? drawn->second.rest : drawn->first, rest = mesh.rest ? mesh.rest : handle;
+    return rest_before == rest ? drawn->second.geometry_base : mesh.geometry_base;
 }
 
 void SceneGpu::State::place_instances() {
@@ -160,10 +174,13 @@ void SceneGpu::State::place_instances() {
             row.world_from_object_before = to_affine(place.world_from_object_before);
             row.geometry_base = drawn_mesh[i]->geometry_base;
             row.geometry_count = static_cast<uint32_t>(drawn_mesh[i]->parts.size());
+            if (anything_stale) row.geometry_base_before = base_before(drawn[i], *drawn_mesh[i], instance.drawn_mesh());
             row.flags = (mirrors(place.world_from_object) ? shared::kInstanceFlipsFacing : 0u) | (deforms(*scene, instance) ? shared::kInstanceDeforms : 0u);
             row.mask = instance.ray_mask;
         }
     });
+    if (anything_stale)
+        for (const uint32_t row : drawn) row_meshes[row] = scene->get(instance_handles[row]).drawn_mesh();
     instance_table = make_table("instances", std::span<const shared::Instance>(instances));
     next = {};
     if (uses_hardware()) place_driver_top(drawn, drawn_mesh);

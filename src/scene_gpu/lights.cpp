@@ -5,6 +5,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "scene/deform.h"
 #include "scene/environment_flux.h"
 #include "scene_gpu/state.h"
 
@@ -24,7 +25,7 @@ float one_minus_cos(float angle) {
 }
 
 // Sum of area x shown over the triangles in the world, square metres.
-double world_flux(const Primitive& primitive, const EmissiveTable& table, const glm::mat4& world) {
+double world_flux(const Scene& scene, const Mesh& mesh, uint32_t geometry, const EmissiveTable& table, const glm::mat4& world) {
     const glm::dmat3 m{glm::mat3(world)}, gram = glm::transpose(m) * m;
     const double scale = (gram[0][0] + gram[1][1] + gram[2][2]) / 3;
     double skew = 0;
@@ -32,6 +33,8 @@ double world_flux(const Primitive& primitive, const EmissiveTable& table, const 
         for (int k = 0; k < 3; ++k) skew = std::max(skew, std::abs(gram[i][k] - (i == k ? scale : 0.0)));
     if (skew <= 1e-6 * scale) return scale * table.flux;  // all areas grow alike
     double flux = 0;
+    Primitive storage;
+    const Primitive& primitive = drawn_shape(scene, mesh, geometry, storage);
     for (size_t i = 0; i < primitive.triangles.size(); ++i) {
         const glm::uvec3& t = primitive.triangles[i];
         const glm::dvec3 a(primitive.positions[t.x]), b(primitive.positions[t.y]), c(primitive.positions[t.z]);
@@ -107,7 +110,7 @@ void SceneGpu::State::place_emitters() {
             const double sides = (material.flags & shared::kMaterialDoubleSided) != 0 ? 2.0 : 1.0;
             geometry_emitter_rows[instances[i].emitter_base + g] = static_cast<uint32_t>(emitters.size());
             add({kOfInstance, i, g, instance_handles[i].generation}, {.kind = shared::kEmitterMesh, .instance = i, .geometry = geometry, .triangle_count = geometries[geometry].triangle_count, .triangle_table = geometries[geometry].triangle_table},
-                sides * kPi * strength * world_flux(mesh.primitives[g], table, instance.place.world_from_object), false);
+                sides * kPi * strength * world_flux(*scene, mesh, g, table, instance.place.world_from_object), false);
         }
     }
     for (const auto& [handle, light] : scene->lights()) {

@@ -2,6 +2,7 @@
 // form's triangles where the upload left them (shared/refit.h).
 #include <chrono>
 
+#include "scene_gpu/chunks.h"
 #include "scene_gpu/state.h"
 
 namespace parhelion {
@@ -12,7 +13,7 @@ namespace {
 struct RefitWork {
     std::vector<shared::RefitJob> jobs;
     std::vector<shared::RefitPart> parts;
-    std::vector<shared::RefitChunk> triangle_chunks, node_chunks;
+    std::vector<shared::WorkChunk> triangle_chunks, node_chunks;
     uint32_t scratch_rows = 0;
 };
 
@@ -24,10 +25,6 @@ struct NodesPush {
     uint64_t jobs = 0, chunks = 0, plan = 0, triangles = 0, nodes = 0, boxes = 0, counters = 0;
     uint32_t chunk_count, layout_of_nodes;
 };
-
-void add_chunks(std::vector<shared::RefitChunk>& chunks, uint32_t job, uint32_t count) {
-    for (uint32_t first = 0; first < count; first += shared::kRefitChunk) chunks.push_back({job, first});
-}
 
 void add_job(RefitWork& work, const MeshOnDevice& mesh, const RefitPlanOnDevice& plan) {
     const auto index = static_cast<uint32_t>(work.jobs.size());
@@ -44,19 +41,6 @@ void add_job(RefitWork& work, const MeshOnDevice& mesh, const RefitPlanOnDevice&
     add_chunks(work.node_chunks, index, job.node_count);
     work.scratch_rows += job.node_count;
     work.jobs.push_back(job);
-}
-
-template <class T>
-gpu::Buffer upload_list(Frame& frame, std::string name, const std::vector<T>& rows) {
-    const gpu::Buffer buffer(frame.device(), "scene/" + std::move(name), rows.size() * sizeof(T));
-    frame.upload(buffer, 0, std::as_bytes(std::span(rows)));
-    return buffer;
-}
-
-// A row of the dispatch is as wide as every device allows.
-void over_chunks(Pass& pass, size_t chunks) {
-    const auto rows = static_cast<uint32_t>((chunks + shared::kRefitGroups - 1) / shared::kRefitGroups);
-    pass.over(static_cast<uint32_t>(std::min<size_t>(chunks, shared::kRefitGroups)) * shared::kRefitChunk, rows);
 }
 
 shared::BvhNode node_around(const Bounds& bounds) {
@@ -123,7 +107,7 @@ void SceneGpu::State::refit_own_bottoms(Frame& frame, Slice& slice) {
                     .read("jobs", jobs)
                     .read("chunks", triangle_chunks)
                     .read("parts", parts)
-                    .reach(geometry_pool.buffers())
+                    .reach(geometry_buffers())
                     .read("plan", plan_triangles.buffer())
                     .write("triangles", bottom_triangles.buffer())
                     .push(TrianglesPush{.chunk_count = static_cast<uint32_t>(work.triangle_chunks.size())}),

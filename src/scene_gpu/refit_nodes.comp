@@ -13,7 +13,7 @@ struct RefitBox {
 
 layout(local_size_x = 64) in;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Jobs { RefitJob v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Chunks { RefitChunk v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Chunks { WorkChunk v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Plan { RefitNode v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Triangles { BvhTriangle v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) coherent buffer Boxes { RefitBox v[]; };
@@ -78,9 +78,9 @@ RefitBox make_node(RefitJob job, uint index, uvec4 child) {
 }
 
 void main() {
-    const uint group = gl_WorkGroupID.y * kRefitGroups + gl_WorkGroupID.x;
+    const uint group = gl_WorkGroupID.y * kWorkGroups + gl_WorkGroupID.x;
     if (group >= push.chunk_count) return;
-    const RefitChunk chunk = push.chunks.v[group];
+    const WorkChunk chunk = push.chunks.v[group];
     const RefitJob job = push.jobs.v[chunk.job];
     uint index = chunk.first + gl_LocalInvocationIndex;
     if (index >= job.node_count) return;

@@ -7,7 +7,7 @@
 
 layout(local_size_x = 64) in;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Jobs { RefitJob v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Chunks { RefitChunk v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Chunks { WorkChunk v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Parts { RefitPart v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Plan { RefitTriangle v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Positions { vec3 v[]; };
@@ -23,9 +23,9 @@ layout(push_constant, scalar) uniform Push {
 } push;
 
 void main() {
-    const uint group = gl_WorkGroupID.y * kRefitGroups + gl_WorkGroupID.x;
+    const uint group = gl_WorkGroupID.y * kWorkGroups + gl_WorkGroupID.x;
     if (group >= push.chunk_count) return;
-    const RefitChunk chunk = push.chunks.v[group];
+    const WorkChunk chunk = push.chunks.v[group];
     const RefitJob job = push.jobs.v[chunk.job];
     const uint i = chunk.first + gl_LocalInvocationIndex;
     if (i >= job.triangle_count) return;

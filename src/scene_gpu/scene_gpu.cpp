@@ -10,6 +10,8 @@ SceneGpu::State::State(gpu::DevicePtr the_device, const SceneGpuOptions& the_opt
       options(the_options),
       layout(choose_node_layout(device->caps(), options.node_layout)),
       geometry_pool(device, "scene/geometry", options.geometry_buffer_bytes),
+      form_pool(device, "scene/forms", options.geometry_buffer_bytes),
+      deformer_pool(device, "scene/deformers", options.geometry_buffer_bytes),
       bottom_nodes(device, "scene/bottom_nodes", bvh::node_bytes(layout)),
       bottom_triangles(device, "scene/bottom_triangles", sizeof(shared::BvhTriangle)),
       plan_nodes(device, "scene/refit_plan_nodes", sizeof(shared::RefitNode)),
@@ -63,6 +65,8 @@ bool SceneGpu::State::advance(Frame& frame, Slice& slice) {
         plan();
         upload_images(frame, slice);
         upload_meshes(frame, slice);
+        upload_deformers(frame, slice);
+        deform_meshes(frame, slice);
         build_own_bottoms(frame, slice);
         plan_refits(frame, slice);
         refit_own_bottoms(frame, slice);
@@ -85,6 +89,8 @@ void SceneGpu::finish(Frame& frame) {
 // Another scene has handles of its own: nothing that is here may be found by them. What is drawn now stays until the new is there.
 void SceneGpu::State::begin_anew() {
     geometry_pool = BufferPool(device, "scene/geometry", options.geometry_buffer_bytes);
+    form_pool = BufferPool(device, "scene/forms", options.geometry_buffer_bytes);
+    deformer_pool = BufferPool(device, "scene/deformers", options.geometry_buffer_bytes);
     bottom_nodes = RowArray(device, "scene/bottom_nodes", bvh::node_bytes(layout));
     bottom_triangles = RowArray(device, "scene/bottom_triangles", sizeof(shared::BvhTriangle));
     plan_nodes = RowArray(device, "scene/refit_plan_nodes", sizeof(shared::RefitNode));
@@ -100,6 +106,7 @@ void SceneGpu::State::begin_anew() {
     instances.clear();
     own_top = bvh::MovingTop(layout);
     instance_rows.clear();
+    row_meshes.clear();
     emitter_keys.clear();
     free_rows.clear();
     left_rows.clear();

@@ -1,9 +1,10 @@
 #pragma once
 // The work of one update(), and uploads that are cut to it.
+#include <cstring>
 #include <functional>
 #include <span>
 
-#include "frame/frame.h"
+#include "scene_gpu/ranges.h"
 
 namespace parhelion {
 
@@ -27,6 +28,13 @@ struct RowSource {
     uint64_t offset = 0, row_bytes = 0, rows = 0;
     std::function<void(std::byte* to, uint64_t first, uint64_t count)> write;
 };
+
+// The rows of an array that stays where it is until they are up.
+template <class T>
+RowSource array_rows(const BufferRange& to, const std::vector<T>& values) {
+    return {to.buffer, to.offset, sizeof(T), values.size(),
+            [&values](std::byte* out, uint64_t first, uint64_t count) { std::memcpy(out, values.data() + first, count * sizeof(T)); }};
+}
 
 // Uploads the sources' rows, one source after the other, from row number `done` of them all on, which it moves on. True: all are up.
 bool upload_rows(Frame& frame, Slice& slice, std::span<const RowSource> sources, uint64_t& done);

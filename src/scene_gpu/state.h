@@ -35,8 +35,14 @@ struct ImageOnDevice {
 
 // One geometry (primitive) of a mesh.
 struct PartOnDevice {
-    BufferRange positions, indices, attributes;
+    BufferRange positions, indices, attributes;  // indices of a form that the device makes: those of its mesh at rest
     uint32_t vertex_count = 0, triangle_count = 0;
+};
+
+// What deforms a geometry: the joints of its vertices, and by morph target what that adds to positions, normals and tangents.
+struct DeformersOnDevice {
+    BufferRange influences;
+    std::vector<std::array<BufferRange, 3>> targets;
 };
 
 // What the deformed forms of a mesh have in common: its rows in the shared arrays of plans. `host` is the plan on its way there.
@@ -52,6 +58,11 @@ struct MeshOnDevice {
     bool drawn = false;      // by an instance; else it is wanted for its forms
     RefitPlanOnDevice plan;
     std::vector<PartOnDevice> parts;
+    bool made_here = false;  // a form that the device makes (Mesh::deformation)
+    bool has_made = false;   // some of its forms are
+    std::vector<DeformersOnDevice> deformers;  // by part, where it has such forms
+    uint64_t deformer_rows_done = 0;
+    bool deformers_ready = false;
     uint32_t geometry_base = 0;  // its rows in the geometry table; they stay
     uint64_t triangle_count = 0, bytes = 0;
     uint64_t done_rows = 0;
@@ -88,13 +99,13 @@ struct EmissiveTable {
 
 // A geometry whose material emits, and what its table follows.
 struct EmissivePart {
-    Handle<Mesh> mesh;
+    Handle<Mesh> mesh, rest;  // `rest`: what the mesh is a form of, itself if of none
     uint32_t primitive = 0;
     Handle<Texture> texture;  // none: uniform
     shared::TextureRef ref{};
     glm::vec3 tint{1.0f};     // textured: the emission's colour, largest channel 1
     std::shared_ptr<const EmissiveTable> table;  // none: it is black
-    bool same_light(const EmissivePart& other) const;
+    bool same_look(const EmissivePart& other) const;  // but for the sizes of triangles
 };
 
 // The layout that is fastest on devices of this class, by measurement, or the one asked for.
@@ -163,6 +174,8 @@ struct SceneGpu::State {
     std::vector<Handle<Mesh>> wanted_meshes;    // that instances draw, in the scene's order
     std::vector<Handle<Mesh>> resident_meshes;  // the same and those that they are forms of, these first
     BufferPool geometry_pool;
+    BufferPool form_pool;      // positions and attributes of forms that the device makes
+    BufferPool deformer_pool;  // what it makes them of
     FreeRanges geometry_rows{1ull << 32};
     std::vector<shared::Geometry> geometries;
     gpu::Buffer geometry_table;
@@ -197,6 +210,7 @@ struct SceneGpu::State {
     std::vector<uint32_t> geometry_emitter_rows;
     std::vector<Handle<Instance>> instance_handles;  // by row; none: the row is free
     std::vector<InstanceRow> instance_rows;  // by index of the handle
+    std::vector<Handle<Mesh>> row_meshes;  // that the rows draw
     std::vector<uint32_t> free_rows, left_rows;  // free now; left by this frame's edit, still seen by the previous top level
     gpu::Buffer instance_table, instance_translation, tlas_instances;
     uint32_t instances_before = 0;  // rows of the previous frame
@@ -218,8 +232,9 @@ struct SceneGpu::State {
     bool frame_began = false;         // since the last publish
     SceneGpuStats stats;
 
-    // Those that are not drawn serve the driver's bottom levels of their forms.
-    bool needs_geometry(const MeshOnDevice& mesh) const { return mesh.drawn || uses_hardware(); }
+    // Those that are not drawn serve their forms: the driver's bottom levels, and what the device makes of them.
+    bool needs_geometry(const MeshOnDevice& mesh) const { return mesh.drawn || mesh.has_made || uses_hardware(); }
+    std::vector<gpu::Buffer> geometry_buffers() const;
     bool uses_hardware() const { return options.hardware && (device->caps().ray_pipeline || device->caps().ray_query); }
 
     void begin_anew();
@@ -233,6 +248,8 @@ struct SceneGpu::State {
     void plan_meshes();
     void upload_images(Frame& frame, Slice& slice);
     void upload_meshes(Frame& frame, Slice& slice);
+    void upload_deformers(Frame& frame, Slice& slice);
+    void deform_meshes(Frame& frame, Slice& slice);
     void build_own_bottoms(Frame& frame, Slice& slice);
     struct OwnTree {
         Handle<Mesh> mesh;
@@ -259,6 +276,7 @@ struct SceneGpu::State {
     std::vector<EmissivePart> find_emissive_parts() const;
     void place_instances();  // instance rows, driver's and our top level
     std::vector<uint32_t> assign_instance_rows();
+    uint32_t base_before(uint32_t row, const MeshOnDevice& mesh, Handle<Mesh> handle) const;
     void translate_instances(std::span<const Handle<Instance>> new_ones);
     std::vector<MeshOnDevice*> note_drawn(std::span<const uint32_t> drawn);
     void place_driver_top(std::span<const uint32_t> drawn, std::span<MeshOnDevice* const> drawn_mesh);
@@ -274,6 +292,7 @@ struct SceneGpu::State {
     void settle(Frame& frame);
     gpu::SceneSet free_set(uint32_t textures);
     void forget_unwanted();
+    void give_back(const MeshOnDevice& mesh);
     void forget_meshes(const std::function<bool(const MeshOnDevice&)>& choose);
 
     RowSource own_node_rows(const MeshOnDevice& mesh) const;

@@ -102,7 +102,7 @@ void SceneGpu::State::write_header(Frame& frame) {
     if (still) become_past();
 
     shown_slots = slots;
-    shown_buffers = geometry_pool.buffers();
+    shown_buffers = geometry_buffers();
     for (const gpu::Buffer& buffer : {geometry_table, material_table, texture_table, instance_table, emitter_table, emitter_alias, triangle_alias, geometry_emitters,
                                       environment_alias, suns, sampler_tables, bsdf_tables, bottom_nodes.buffer(), bottom_triangles.buffer(), instance_translation, emitter_translation})
         if (buffer) shown_buffers.push_back(buffer);

@@ -144,6 +144,8 @@ RealtimeBenchRow run_realtime_bench(const std::string& scene, const RealtimeBenc
     uint32_t place = 0;  // of the camera
     const auto draw_in = [&](Frame& now) {
         view.set_camera(shader_camera(turned(camera, place++), aspect));
+        on_device.sync(loaded.scene, loaded.scene.begin_frame());
+        on_device.update(now);
         realtime.record(now, on_device, options.way, view, true);
         now.run();
         return now.gpu_ms();
@@ -187,10 +189,10 @@ RealtimeBenchRow run_realtime_bench(const std::string& scene, const RealtimeBenc
 
 std::string realtime_bench_table(const std::vector<RealtimeBenchRow>& rows, const RealtimeBenchOptions& options) {
     std::string out = fmt::format("{}x{}{}, {} frames after {}, camera turning; GPU milliseconds\n", options.size.width, options.size.height, options.upscale > 1 ? fmt::format(" of frames {} times smaller", options.upscale) : "", options.frames, options.warmup);
-    out += fmt::format("{:<28} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9} {:>9} {:>7} {:>9} {:>9} {:>10} {:>9} {:>9}\n", "scene", "gbuffer", "tiles", "cache", "light", "compose", "denoise", "antialias", "lighting", "traced", "to bare", "rays/px", "live cells", "updated", "its rays");
+    out += fmt::format("{:<28} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9} {:>9} {:>7} {:>9} {:>9} {:>10} {:>9} {:>9}\n", "scene", "gbuffer", "tiles", "cache", "light", "reuse", "compose", "denoise", "antialias", "lighting", "traced", "to bare", "rays/px", "live cells", "updated", "its rays");
     for (const RealtimeBenchRow& row : rows)
-        out += fmt::format("{:<28} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>9.3f} {:>9.3f} {:>9.3f} {:>5.1f} % {:>9.2f} {:>9.3f} {:>10.0f} {:>9.0f} {:>9.0f}\n", escape_name(row.scene), row.ms("gbuffer/"), row.ms("lights/"), row.cache_ms,
-                           row.ms("realtime/") + row.ms("wavefront/") - row.ms("realtime/composite"), row.ms("realtime/composite"), row.ms("reconstruction/") - row.ms(kAntialias), row.ms(kAntialias), row.lighting_ms(), row.trace_share() * 100, row.over_bare(), row.rays_per_pixel, row.live_cells, row.updated_cells, row.cache_rays);
+        out += fmt::format("{:<28} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>9.3f} {:>9.3f} {:>9.3f} {:>5.1f} % {:>9.2f} {:>9.3f} {:>10.0f} {:>9.0f} {:>9.0f}\n", escape_name(row.scene), row.ms("gbuffer/"), row.ms("lights/"), row.cache_ms,
+                           row.ms("realtime/") + row.ms("wavefront/") - row.ms("realtime/composite"), row.ms("reuse/"), row.ms("realtime/composite"), row.ms("reconstruction/") - row.ms(kAntialias), row.ms(kAntialias), row.lighting_ms(), row.trace_share() * 100, row.over_bare(), row.rays_per_pixel, row.live_cells, row.updated_cells, row.cache_rays);
     return out;
 }
 

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "scene/deform.h"
 #include "scene/pose.h"
 #include "session/scene_setup.h"
 
@@ -72,7 +73,9 @@ float find_focus(const Scene& scene, const CameraView& view, bool culling) {
         const glm::dmat4 object_from_world = glm::inverse(glm::dmat4(instance.place.world_from_object));
         const glm::dvec3 origin(object_from_world * glm::dvec4(view.position, 1.0)), direction(object_from_world * glm::dvec4(view.forward, 0.0));
         if (!may_meet(origin, direction, mesh.bounds)) continue;
-        for (const Primitive& primitive : mesh.primitives) {
+        Primitive storage;
+        for (size_t g = 0; g < mesh.primitives.size(); ++g) {
+            const Primitive& primitive = drawn_shape(scene, mesh, g, storage);
             const bool front_only = culling && (!primitive.material || has_no_back(scene.get(primitive.material)));
             const auto corner = [&](uint32_t index) { return glm::dvec3(primitive.positions[index]); };
             for (const glm::uvec3& t : primitive.triangles)

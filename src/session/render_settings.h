@@ -34,6 +34,7 @@ struct RenderSettings {
     Switch wavefront_classes = Switch::On;
     uint32_t wavefront_memory_mb = 512;
     RealtimeReuse realtime_reuse = RealtimeReuse::None;
+    ReuseOptions reuse;
     GBufferMode gbuffer_mode = GBufferMode::Auto;
     Switch realtime_cache = Switch::On, realtime_tiles = Switch::On;
     uint32_t realtime_candidates = 8, realtime_path_bounces = 3, realtime_slots = 0;
@@ -52,6 +53,15 @@ void visit_cache(V&& v, CacheOptions& s) {
     v.field("cache.cell_pixels", s.cell_pixels, range(1, 256), "least size of a cell, in pixels of the camera that looks there");
     v.field("cache.jitter", s.jitter, range(0, 1), "how far look-ups are moved along the surface, in cells: blends neighbours");
     v.field("cache.change_frames", s.change_frames, range(0, 256), "frames after a change of the lights in which cells forget fast");
+}
+
+template <class V>
+void visit_reuse(V&& v, ReuseOptions& s) {
+    v.field("realtime.reservoirs", s.sets, choices({"unified", "split"}), "one reservoir a pixel, or one for direct and one for indirect light");
+    v.field("realtime.confidence", s.confidence, range(0, shared::kMostConfidence / 2), "frames that what the last frame knew counts for at most; 0: no temporal reuse");
+    v.field("realtime.neighbours", s.neighbours, range(0, 8), "pixels around whose samples are taken; 0: no spatial reuse");
+    v.field("realtime.radius", s.radius, range(1, 256), "pixels that these are off at most");
+    v.field("realtime.permutation", s.permutation, on_off(), "near pixels of the last frame are exchanged, so that what is repeated does not stay in place; with realtime.reuse=full edges of shadows darken by it");
 }
 
 template <class V>
@@ -105,7 +115,9 @@ void visit(V&& v, RenderSettings& s) {
     v.field("wavefront.classes", s.wavefront_classes, choices({"off", "on"}),
             "one kernel of Shade for all materials, or one for each class of them");
     v.field("wavefront.memory_mb", s.wavefront_memory_mb, range(1, 1 << 20), "most that what waits for wavefront.connect=once may take, and as much for finished samples");
-    v.field("realtime.reuse", s.realtime_reuse, choices({"full", "none", "unbiased"}), "reservoirs that share samples between pixels and frames; only none so far: each pixel's light is its own");
+    v.field("realtime.reuse", s.realtime_reuse, choices({"full", "none", "unbiased"}),
+            "reservoirs that share samples between pixels and frames: fast, none, or weighed with what hides samples so that the mean is the reference's (needs realtime.cache=off)");
+    visit_reuse(v, s.reuse);
     v.field("gbuffer.mode", s.gbuffer_mode, choices({"auto", "raster", "trace"}), "what the realtime renderer finds the triangles under pixels with; auto: as suits devices of this class, and trace for a lens or a shutter");
     v.field("realtime.cache", s.realtime_cache, choices({"off", "on"}), "paths end in the world cache, or go to their full depth (--max-bounces)");
     v.field("realtime.tiles", s.realtime_tiles, choices({"off", "on"}), "the first surface's light is chosen among candidates out of light tiles, or sampled as by the reference");
@@ -129,8 +141,8 @@ inline WavefrontOptions wavefront_options(const RenderSettings& s) {
 
 // Throws a usage Error for what the realtime renderer cannot do.
 inline void check_realtime(const RenderSettings& s) {
-    if (s.realtime_reuse != RealtimeReuse::None)
-        throw Error(ErrorCode::Usage, "reservoirs are not in this version", "realtime.reuse", "use realtime.reuse=none");
+    if (s.realtime_reuse != RealtimeReuse::None && s.firefly_clamp > 0)
+        throw Error(ErrorCode::Usage, "samples that are shared are not clamped", "reference.firefly_clamp", "leave it 0, or use realtime.reuse=none");
     if (s.texture_lod != TextureLod::Full || s.shade_in != ShadeIn::Raygen)
         throw Error(ErrorCode::Usage, "the realtime renderer reads textures at full resolution, and shades where it traces", "--renderer realtime", "leave texture.lod and reference.shade_in as they are");
 }
@@ -141,7 +153,9 @@ inline bool may_draw_pixels(const RenderSettings& s, const gpu::DeviceCaps& caps
 }
 
 inline RealtimeOptions realtime_options(const RenderSettings& s, const gpu::DeviceCaps& caps) {
-    return {.gbuffer = s.gbuffer_mode,
+    return {.reuse = s.realtime_reuse,
+            .reuse_options = s.reuse,
+            .gbuffer = s.gbuffer_mode,
             .auto_draws = may_draw_pixels(s, caps),
             .candidates = s.realtime_candidates,
             .tiles = s.realtime_tiles == Switch::On,

@@ -63,8 +63,12 @@ uint64_t hash_scene(const Scene& scene) {
             .add(s.mip ? static_cast<int>(*s.mip) : -1);
     }
     for (const auto& [handle, material] : scene.materials()) add_material(hasher, material);
-    for (const auto& [handle, mesh] : scene.meshes())
+    for (const auto& [handle, mesh] : scene.meshes()) {
         for (const Primitive& primitive : mesh.primitives) add_primitive(hasher.add(handle.index), primitive);
+        if (!mesh.deformation) continue;
+        add_array(hasher.add(mesh.rest.index), mesh.deformation->weights);
+        add_array(hasher, mesh.deformation->object_from_rest);
+    }
     for (const auto& [handle, instance] : scene.instances()) add_plain(hasher.add(instance.drawn_mesh().index).add(instance.ray_mask).add(instance.opacity), instance.place.world_from_object);
     for (const auto& [handle, light] : scene.lights()) {
         hasher.add(light.kind).add(light.intensity).add(light.range).add(light.inner_cone).add(light.outer_cone).add(light.angular_radius);

@@ -12,7 +12,7 @@ namespace {
 
 class Layout : public GpuTest {};
 
-constexpr const char* kHeaders[] = {"bvh.h", "cache.h", "hit.h", "raster.h", "realtime.h", "reference.h", "sampler.h", "scene.h", "view.h", "wavefront.h"};
+constexpr const char* kHeaders[] = {"bvh.h", "cache.h", "chunks.h", "deform.h", "hit.h", "raster.h", "realtime.h", "reference.h", "reservoir.h", "sampler.h", "scene.h", "view.h", "wavefront.h"};
 
 // struct name -> text between its braces, of all shared headers.
 std::map<std::string, std::string> shared_structs() {
@@ -74,6 +74,8 @@ TEST_F(Layout, structs_have_the_same_size_on_both_sides) {
         {"WavefrontShadowRay", sizeof(shared::WavefrontShadowRay)}, {"WavefrontSplit", sizeof(shared::WavefrontSplit)}, {"WavefrontClassSums", sizeof(shared::WavefrontClassSums)}, {"WavefrontControl", sizeof(shared::WavefrontControl)}, {"WavefrontSize", sizeof(shared::WavefrontSize)},
         {"WavefrontFirst", sizeof(shared::WavefrontFirst)}, {"TileSample", sizeof(shared::TileSample)}, {"PackedLight", sizeof(shared::PackedLight)}, {"RealtimeFrame", sizeof(shared::RealtimeFrame)},
         {"LightPath", sizeof(shared::LightPath)}, {"LightPathInside", sizeof(shared::LightPathInside)}, {"LightPending", sizeof(shared::LightPending)}, {"LightSums", sizeof(shared::LightSums)},
+        {"PackedSample", sizeof(shared::PackedSample)}, {"PackedReservoir", sizeof(shared::PackedReservoir)}, {"LightReuse", sizeof(shared::LightReuse)},
+        {"ReuseFrame", sizeof(shared::ReuseFrame)},
         {"CacheHeader", sizeof(shared::CacheHeader)}, {"CacheFrameData", sizeof(shared::CacheFrameData)}, {"CacheSize", sizeof(shared::CacheSize)}, {"CacheUpdate", sizeof(shared::CacheUpdate)}, {"CachePath", sizeof(shared::CachePath)}};
     size_t seen = 0;
     for (const gpu::ShaderStruct& s : test_shader_pack().find("device/layout", "", gpu::Stage::Compute)->structs)

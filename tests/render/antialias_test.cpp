@@ -26,7 +26,7 @@ RealtimeOptions options_of(double upscale) { return {.tiles = false, .cache = fa
 
 using Antialiasing = GpuTest;
 
-// A ball goes to and fro along the wall. Two frames after it was there a pixel shows the wall, and no ray of it sees the ball.
+// A ball rests, and then goes to and fro along the wall. Two frames after it was there a pixel shows the wall.
 TEST_F(Antialiasing, what_has_moved_away_leaves_nothing_behind) {
     constexpr float kRadius = 0.35f;
     for (const double upscale : {1.0, 2.0}) {
@@ -37,18 +37,18 @@ TEST_F(Antialiasing, what_has_moved_away_leaves_nothing_behind) {
         const Handle<Node> ball = scene.apply(std::move(edit)).resolve(made);
         Stage stage(std::move(scene));
         Player player(stage, shot_of(), options_of(upscale));
-        const auto x_m = [](uint32_t frame) { return kPixel * 5.37f * (std::abs(static_cast<float>(frame % 12) - 6.0f) - 3.0f); };
+        const auto x_m = [](uint32_t frame) { return kPixel * 5.37f * (std::abs(static_cast<float>(std::max(frame, 12u) % 12) - 6.0f) - 3.0f); };
         const auto distance_px = [&](uint32_t frame, size_t pixel) {  // from the ball's outline, on the wall behind its middle
             const float nearer = kDistance / (kDistance - kRadius), radius_px = nearer * kRadius / kPixel;
             const glm::vec2 at(static_cast<float>(pixel % kSize) + 0.5f - 0.5f * kSize, static_cast<float>(pixel / kSize) + 0.5f - 0.5f * kSize);
             return glm::length(at - glm::vec2(nearer * x_m(frame) / kPixel, 0.0f)) - radius_px;
         };
         size_t looked_at = 0;
-        for (uint32_t frame = 0; frame < 20; ++frame) {
+        for (uint32_t frame = 0; frame < 32; ++frame) {
             SceneEdit step;
             step.set_transform(ball, {.translation = {x_m(frame), 0, kRadius}});
             const image::ImageF picture = player.next(std::move(step));
-            for (size_t p = 0; frame >= 2 && p < picture.pixel_count(); ++p) {
+            for (size_t p = 0; frame >= 14 && p < picture.pixel_count(); ++p) {
                 if (distance_px(frame, p) < 4.0f || distance_px(frame - 1, p) < 1.0f) continue;
                 looked_at += distance_px(frame - 2, p) < 0.0f ? 1 : 0;
                 ASSERT_NEAR(luminance_of(picture, p) / kWallNits, 1.0, 0.01) << "upscaled " << upscale << ", frame " << frame << ", pixel " << p;

@@ -386,7 +386,13 @@ TEST_F(DeformedMeshes, draw_a_complaint_for_each_barrier_left_out) {
                 stage.frame.retire(stage.frame.record(commands));
             };
             record();
-            stage.step(bodies.pose(stage.scene, wave(random), false));
+            SceneEdit edit = bodies.pose(stage.scene, wave(random), false);
+            Mesh made{.name = "made by the device"};
+            for (const Primitive& primitive : stage.scene.get(bodies.rest).primitives) made.primitives.push_back({.material = primitive.material});
+            made.rest = bodies.rest;
+            made.deformation.emplace();
+            edit.set_pose(bodies.second, edit.add(std::move(made)), {});
+            stage.step(std::move(edit));
             record();
             barriers = stage.frame.barrier_count();
             return stage.frame.complaints().size();

@@ -66,6 +66,8 @@ image::FilmSums Stage::render(const Shot& shot) {
 image::FilmSums Stage::play(const Shot& shot, const RealtimeOptions& options) {
     View view = make_view(shot);
     scene_gpu.finish(frame);
+    step({});  // the scene stood there before, so that what it shows has a past
+    scene_gpu.finish(frame);
     Realtime realtime(frame.device(), view, options);
     realtime.set_frame_index(shot.first_sample);
     for (uint32_t i = 0; i < shot.sample_count; ++i) {

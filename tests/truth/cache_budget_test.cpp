@@ -12,19 +12,21 @@ constexpr double kMeanWithCaustics = 0.03, kMean = 0.02, kTile = 0.08;
 constexpr uint32_t kRuns = 32, kWarmUp = 64;
 
 class RealtimeBudget : public TruthTest, public ::testing::WithParamInterface<TruthScene> {};
+class RealtimeReuseBudget : public RealtimeBudget {};
 
 // Judged on 99 % bounds, so that noise fails.
-TEST_P(RealtimeBudget, with_the_cache_the_mean_and_its_tiles_stay_within_their_budgets) {
-    const TruthScene& scene = GetParam();
+void expect_within_budget(const TruthScene& scene, const std::string& test_name, RealtimeReuse reuse) {
     if (const std::string why = why_skipped(scene); !why.empty()) {
-        report_skip("cache", scene.name, why);
+        report_skip(test_name, scene.name, why);
         GTEST_SKIP() << scene.name << ": " << why;
     }
     TruthStage& on = truth_stage(scene);
     const uint32_t size = by_size(192u, 32u), warm_up = by_size(kWarmUp, 24u), frames = by_size(scene.noisy ? 64u : 32u, 16u) * truth_effort();
     Runs test(size, size), reference(size, size);
     for (uint32_t i = 0; i < kRuns; ++i) {
-        TruthRun run(on, size, 1 + i, truth_options(on, true));
+        RealtimeOptions options = truth_options(on, true);
+        options.reuse = reuse;
+        TruthRun run(on, size, 1 + i, options);
         run.skip(warm_up);
         test.add_run(luminance(run.average(frames)));
         reference.add_run(luminance(draw_reference(on, size, 10001 + i, 2 * frames)));
@@ -32,13 +34,17 @@ TEST_P(RealtimeBudget, with_the_cache_the_mean_and_its_tiles_stay_within_their_b
     const double wider = by_size(1.0, 2.0), mean = (scene.caustics ? kMeanWithCaustics : kMean) * wider, tile = kTile * by_size(1.0, 2.5);
     const Ratio ratio = ratio_of_means(test.means(), reference.means()), tiles = tile_quantile(test, reference, 0.95);
     const std::string after = fmt::format("after {} frames", warm_up);
-    report({.test = "cache", .scene = scene.name, .what = "mean", .value = ratio.value, .low = ratio.lower(), .high = ratio.upper(), .least = 1 - mean, .most = 1 + mean,
+    report({.test = test_name, .scene = scene.name, .what = "mean", .value = ratio.value, .low = ratio.lower(), .high = ratio.upper(), .least = 1 - mean, .most = 1 + mean,
             .runs = kRuns, .frames = frames, .note = after});
-    report({.test = "cache", .scene = scene.name, .what = "95th percentile of tiles", .value = tiles.value, .low = tiles.value, .high = tiles.upper(), .least = 0, .most = tile,
+    report({.test = test_name, .scene = scene.name, .what = "95th percentile of tiles", .value = tiles.value, .low = tiles.value, .high = tiles.upper(), .least = 0, .most = tile,
             .runs = kRuns, .frames = frames, .note = after});
 }
 
+TEST_P(RealtimeBudget, with_the_cache_the_mean_and_its_tiles_stay_within_their_budgets) { expect_within_budget(GetParam(), "cache", RealtimeReuse::None); }
+TEST_P(RealtimeReuseBudget, with_cache_and_reservoirs_the_mean_and_its_tiles_stay_within_their_budgets) { expect_within_budget(GetParam(), "reuse", RealtimeReuse::Full); }
+
 INSTANTIATE_TEST_SUITE_P(Scenes, RealtimeBudget, ::testing::ValuesIn(truth_scenes().begin(), truth_scenes().end()), scene_name);
+INSTANTIATE_TEST_SUITE_P(Scenes, RealtimeReuseBudget, ::testing::ValuesIn(truth_scenes().begin(), truth_scenes().end()), scene_name);
 
 struct CutCase {
     const char* name;

@@ -155,6 +155,7 @@ TruthRun::TruthRun(TruthStage& on, uint32_t size, uint32_t seed, const RealtimeO
 
 TruthRun::TruthRun(TruthStage& on, const ViewDesc& desc, const RealtimeOptions& options)
     : on_(on), view_(on.stage->frame.device(), desc), realtime_(on.stage->frame.device(), view_, options) {
+    on.stage->step({});  // the scene stood there before, so that what it shows has a past
     on.stage->scene_gpu.finish(on.stage->frame);
 }
 

@@ -9,6 +9,7 @@
 
 #include "gltf_make.h"
 #include "scene/gltf/draco.h"
+#include "scene/deform.h"
 #include "scene/pose.h"
 
 namespace parhelion::test {
@@ -202,9 +203,11 @@ TEST(GltfDraco, compressed_meshes_are_skinned_morphed_and_dressed_by_variant) {
     EXPECT_TRUE(scene.source().warnings.empty());
     const Instance& instance = (*scene.instances().begin()).value;
     ASSERT_TRUE(instance.posed);
-    const Primitive &rest = scene.get(instance.mesh).primitives[0], &posed = scene.get(instance.posed).primitives[0];
-    EXPECT_EQ(scene.get(posed.material).name, "red");
-    EXPECT_EQ(posed.variant_materials, rest.variant_materials);
+    const Mesh& form = scene.get(instance.posed);
+    EXPECT_EQ(scene.get(form.primitives[0].material).name, "red");
+    Primitive storage;
+    const Primitive &rest = scene.get(instance.mesh).primitives[0], &posed = drawn_shape(scene, form, 0, storage);
+    EXPECT_EQ(form.primitives[0].variant_materials, rest.variant_materials);
     ASSERT_EQ(posed.positions.size(), kPoints);
     for (size_t i = 0; i < kPoints; ++i) EXPECT_EQ(posed.positions[i], rest.positions[i] + glm::vec3(100.0f, 0.0f, 2.0f));
     EXPECT_EQ(posed.triangles, rest.triangles);

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "gltf_make.h"
+#include "scene/deform.h"
 #include "scene/pose.h"
 
 namespace parhelion::test {
@@ -78,7 +79,8 @@ TEST(GltfSkin, vertices_have_their_joints_and_those_of_no_weight_count_as_0) {
 TEST(GltfSkin, a_loaded_skin_poses_its_mesh) {
     Scene scene = skinned().load();
     scene.apply(pose_at(scene, 0.0));
-    const Primitive& p = scene.get(first_instance(scene).drawn_mesh()).primitives[0];
+    Primitive storage;
+    const Primitive& p = drawn_shape(scene, scene.get(first_instance(scene).drawn_mesh()), 0, storage);
     EXPECT_EQ(p.positions[0], glm::vec3(5, 0, 0));
     EXPECT_EQ(p.positions[1], glm::vec3(6, 3, 0));     // one up by its joint, two by its inverse bind matrix
     EXPECT_EQ(p.positions[2], glm::vec3(5, 2.5f, 0));  // half of each
@@ -159,7 +161,8 @@ TEST(GltfSkin, joints_of_another_scene_are_there_but_not_drawn) {
     EXPECT_EQ(scene.instances().size(), 1u);
     EXPECT_TRUE(scene.cameras().empty());
     scene.apply(pose_at(scene, 0.0));
-    EXPECT_EQ(scene.get(first_instance(scene).drawn_mesh()).primitives[0].positions[1], glm::vec3(6, 3, 0));
+    Primitive storage;
+    EXPECT_EQ(drawn_shape(scene, scene.get(first_instance(scene).drawn_mesh()), 0, storage).positions[1], glm::vec3(6, 3, 0));
 }
 
 TEST(GltfMorph, targets_weights_and_names_are_read) {

@@ -1,8 +1,11 @@
 // Poses by hand: nodes, morph targets and skins at a time.
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "scene/deform.h"
 #include "scene/pose.h"
 
 namespace parhelion {
@@ -34,6 +37,12 @@ Mesh strip(Handle<Material> material) {
     return mesh;
 }
 
+// The first primitive of what an instance draws.
+Primitive shape_of(const Scene& scene, Handle<Instance> instance) {
+    Primitive storage;
+    return drawn_shape(scene, scene.get(scene.get(instance).drawn_mesh()), 0, storage);
+}
+
 struct Strip {
     Scene scene;
     Handle<Instance> instance;
@@ -53,7 +62,7 @@ struct Strip {
         instance = changes.resolve(instance), holder = changes.resolve(holder), lower = changes.resolve(lower);
     }
     ChangeSet pose(double seconds) { return scene.apply(pose_at(scene, seconds)); }
-    const Primitive& drawn() const { return scene.get(scene.get(instance).drawn_mesh()).primitives[0]; }
+    Primitive drawn() const { return shape_of(scene, instance); }
     glm::vec3 world(size_t vertex) const {
         return glm::vec3(scene.get(instance).place.world_from_object * glm::vec4(drawn().positions[vertex], 1.0f));
     }
@@ -111,6 +120,9 @@ TEST(Pose, a_strip_of_two_bones_bends_at_its_joint) {
     EXPECT_TRUE(s.drawn().joints.empty());
     s.pose(0.5);
     expect_near(s.world(4), {-std::sqrt(0.5f), 1.0f + std::sqrt(0.5f), 0});
+    EXPECT_TRUE(s.scene.get(s.scene.get(s.instance).posed).primitives[0].positions.empty()) << "the device makes the vertices";
+    const Handle<Mesh> form = s.scene.get(s.instance).posed;
+    EXPECT_TRUE(s.pose(0.5).meshes.empty() && s.scene.get(s.instance).posed == form) << "it stays as it is";
 }
 
 TEST(Pose, the_transform_of_the_skinned_node_itself_does_not_count) {
@@ -199,7 +211,7 @@ TEST(Pose, morph_targets_add_up_by_weight_and_without_weight_the_mesh_itself_is_
     edit.add(Animation{.channels = {linear(node, AnimatedPath::Weights, 2, {0, 0, 1, 0.5f})}});
     const Handle<Instance> instance = scene.apply(std::move(edit)).resolve(pending);
     scene.apply(pose_at(scene, 1.0));
-    const Primitive& posed = scene.get(scene.get(instance).drawn_mesh()).primitives[0];
+    const Primitive posed = shape_of(scene, instance);
     expect_near(posed.positions[1], {2, 0, 0});
     expect_near(posed.positions[2], {1, 1, 1});
     expect_near(posed.normals[0], {1, 0, 0});
@@ -207,7 +219,7 @@ TEST(Pose, morph_targets_add_up_by_weight_and_without_weight_the_mesh_itself_is_
     EXPECT_EQ(scene.get(instance).weights, (std::vector<float>{1.0f, 0.5f}));
     EXPECT_FLOAT_EQ(scene.bounds().max.x, 2.0f);
     scene.apply(pose_at(scene, 0.5));
-    expect_near(scene.get(scene.get(instance).drawn_mesh()).primitives[0].normals[0], glm::normalize(glm::vec3(0.5f, 0, 0.5f)));
+    expect_near(shape_of(scene, instance).normals[0], glm::normalize(glm::vec3(0.5f, 0, 0.5f)));
     scene.apply(pose_at(scene, 0.0));
     EXPECT_FALSE(scene.get(instance).posed);
     EXPECT_EQ(scene.meshes().size(), 1u);
@@ -222,6 +234,7 @@ TEST(Pose, instances_with_equal_weights_share_one_posed_mesh) {
     const Handle<Instance> own = edit.add(Instance{.mesh = mesh}), same = edit.add(Instance{.mesh = mesh, .weights = {0.25f, 0.0f}}),
                            other = edit.add(Instance{.mesh = mesh, .weights = {0.0f, 1.0f}});
     const ChangeSet changes = scene.apply(std::move(edit));
+    EXPECT_THROW(pose_at(scene, 0.0, {}, [](uint64_t) { throw Error(ErrorCode::Failed, "too much"); }), Error);
     uint64_t bytes = 0;
     scene.apply(pose_at(scene, 0.0, {}, [&](uint64_t more) { bytes += more; }));
     const auto posed = [&](Handle<Instance> handle) { return scene.get(changes.resolve(handle)).posed; };
@@ -230,7 +243,6 @@ TEST(Pose, instances_with_equal_weights_share_one_posed_mesh) {
     EXPECT_EQ(scene.meshes().size(), 3u);
     EXPECT_GT(bytes, 2 * 6 * sizeof(glm::vec3));
     EXPECT_TRUE(scene.get(changes.resolve(own)).weights.empty());  // still its mesh's
-    EXPECT_THROW(pose_at(scene, 0.0, {}, [](uint64_t) { throw Error(ErrorCode::Failed, "too much"); }), Error);
 }
 
 TEST(Pose, morph_targets_act_before_the_skin) {
@@ -244,6 +256,62 @@ TEST(Pose, morph_targets_act_before_the_skin) {
     s.instance = s.scene.apply(std::move(edit)).resolve(s.instance);
     s.pose(1.0);
     expect_near(s.world(4), {-2, 1, 0});  // one further up the bone, which points to -x
+}
+
+TEST(Pose, boxes_hold_what_skin_and_weights_make_and_little_else) {
+    Strip s({.translation = {1, 2, 3}, .rotation = kQuarter});
+    SceneEdit edit;
+    Mesh mesh = s.scene.get(s.scene.get(s.instance).mesh);
+    mesh.primitives[0].targets = {{.positions = {{0, 0, 1}, {0, 0, 2}, {0, 0, 0}, {1, 0, 0}, {0, 0, 0}, {0, 3, 0}}}, {}};
+    const Handle<Instance> old = s.instance;
+    s.instance = edit.add(Instance{.mesh = edit.add(std::move(mesh)), .place = {.node = s.holder}, .skin = s.scene.get(old).skin, .weights = {-0.7f, 9.0f}});
+    s.instance = s.scene.apply(std::move(edit)).resolve(s.instance);
+    for (const double seconds : {0.0, 0.3, 1.0}) {
+        s.pose(seconds);
+        const Bounds box = s.scene.get(s.scene.get(s.instance).posed).bounds;
+        Bounds exact;
+        for (const glm::vec3& p : s.drawn().positions) exact.add(p);
+        EXPECT_TRUE(glm::all(glm::lessThanEqual(box.min, exact.min)) && glm::all(glm::greaterThanEqual(box.max, exact.max))) << seconds;
+        EXPECT_LT(box.diagonal(), 3.0f * exact.diagonal());
+    }
+}
+
+TEST(Pose, a_form_says_one_thing_about_its_shape_and_what_exists) {
+    Strip s;
+    const Handle<Mesh> rest = s.scene.get(s.instance).mesh;
+    const auto error = [&](const std::function<void(Mesh&)>& change) -> std::string {
+        SceneEdit edit;
+        Mesh form{.name = "form"};
+        form.primitives.push_back({.material = s.scene.get(rest).primitives[0].material});
+        form.rest = rest;
+        form.deformation = MeshDeformation{.object_from_rest = std::vector<glm::mat4x3>(2, glm::mat4x3(1.0f))};
+        change(form);
+        edit.set_pose(s.instance, edit.add(std::move(form)), {});
+        try {
+            Scene(s.scene).apply(std::move(edit));
+        } catch (const Error& e) {
+            return e.what();
+        }
+        return "";
+    };
+    EXPECT_EQ(error([](Mesh&) {}), "");
+    const std::pair<std::function<void(Mesh&)>, const char*> wrong[] = {
+        {[](Mesh& m) { m.rest = {}; }, "is no form of a mesh"},
+        {[](Mesh& m) { m.primitives[0].positions.resize(6); }, "both a deformation and arrays"},
+        {[](Mesh& m) { m.primitives.push_back(m.primitives[0]); }, "other numbers of primitives"},
+        {[](Mesh& m) { m.deformation->object_from_rest.pop_back(); }, "names joint 1, but its skin has 1"},
+        {[](Mesh& m) { m.deformation->weights = {1.0f}; }, "has 1 morph weights, but 'strip' has 0 targets"},
+        {[](Mesh& m) { m.deformation->weights = {NAN}; }, "morph weight that is not finite"},
+        {[](Mesh& m) { m.deformation->object_from_rest[1][3].x = INFINITY; }, "joint whose place is not finite"},
+        {[](Mesh& m) { m.deformation->object_from_rest[1][0].x = -1.0f; }, "a joint that mirrors"},
+        {[](Mesh& m) { m.deformation->object_from_rest[1][3].x = 1e19f; }, "is deformed beyond"},
+    };
+    for (const auto& [change, part] : wrong) EXPECT_NE(error(change).find(part), std::string::npos) << part << ": " << error(change);
+    SceneEdit edit;
+    Mesh uneven = s.scene.get(rest);
+    uneven.primitives[0].joint_weights[0] = 0.5f;
+    edit.add(std::move(uneven));
+    EXPECT_THROW(s.scene.apply(std::move(edit)), Error);
 }
 
 TEST(Pose, a_scene_that_nothing_moves_stays_untouched) {

@@ -19,8 +19,9 @@ void spread(inout Footprint f, float pdf, bool through) {
 }
 
 // What the cache sends along the path from here; `last`: it must end here, so that all lobes count as diffuse ones. False: it may not end,
-// or nothing is known.
-bool end_in_cache(Cache cache, ViewData view, PathKey key, PathState path, Shading shading, VertexNumbers u, Footprint f, bool last, inout vec3 light) {
+// or nothing is known. Of a throughput of 1.
+bool end_in_cache(Cache cache, ViewData view, PathKey key, PathState path, Shading shading, VertexNumbers u, Footprint f, bool last, out vec3 light) {
+    light = vec3(0.0);
     if (!last && (f.flags & kLobeBroad) == 0u) return false;
     const Surface s = shading.s;
     // A cone that many lobes have widened is no measure of a small room: the last ray is.
@@ -29,7 +30,7 @@ bool end_in_cache(Cache cache, ViewData view, PathKey key, PathState path, Shadi
     vec3 irradiance;
     if (!cache_visit(cache, at, cache.v.life, irradiance)) return false;
     const BsdfSample drawn = sample_bsdf(shading.bsdf, shading.wo, u.scatter.x, u.scatter.yz);
-    light = path.throughput * reflected_share(shading, drawn, last) * irradiance / (kPi * cache.v.exposure);
+    light = reflected_share(shading, drawn, last) * irradiance / (kPi * cache.v.exposure);
     return true;
 }
 
@@ -44,15 +45,17 @@ bool keep_glossy(inout PathState path, Shading shading, PathKey key, out float s
     return true;
 }
 
-// Continues by those lobes. Where there is only one, it is drawn each time, and the weight is its own.
-bool scatter_glossy(inout PathState path, Shading shading, VertexNumbers numbers, float share, uint alpha_key) {
+// Continues by those lobes. Where there is only one, it is drawn each time, and the weight is its own. `density`: of the direction by what drew it.
+bool scatter_glossy(inout PathState path, Shading shading, VertexNumbers numbers, float share, uint alpha_key, out float density) {
     vec3 u = numbers.scatter;
+    density = 0.0;
     bool alone = true;
 #ifdef LAYERS
     alone = !is_layered(shading.bsdf) && !has_glass(shading.bsdf);
 #endif
     if (alone) u.x *= share;
     if (!scatter(path, shading, u, false, false, alpha_key)) return false;
+    density = share * path.pdf;
     if (!alone) return true;
     if (path.pdf < 0.0) {
         path.throughput *= share;
@@ -61,6 +64,7 @@ bool scatter_glossy(inout PathState path, Shading shading, VertexNumbers numbers
     const float cosine = dot(path.ray.direction_ws, shading.frame[2]);
     const float of_lobe = max(path.pdf - (1.0 - share) * pdf_cosine_hemisphere_solid_angle(cosine), 1e-6 * path.pdf);
     path.throughput *= share * path.pdf / of_lobe;
+    density = of_lobe;
     return true;
 }
 #endif

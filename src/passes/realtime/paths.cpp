@@ -4,6 +4,7 @@
 #include <string>
 
 #include "passes/realtime/realtime.h"
+#include "shared/reservoir.h"
 #include "shared/scene.h"
 
 namespace parhelion::passes {
@@ -27,6 +28,11 @@ struct ShadePush {
 struct ConnectPush {
     uint64_t view, control, shadow_list, shadow_rays, pending, sums, block, rays;
 };
+struct ConnectReusePush {
+    ConnectPush connect;
+    uint64_t offers, reservoirs;
+    uint32_t frame_index, round, reservoir_sets;
+};
 struct GatherPush {
     uint64_t view, control, sums, diffuse, specular;
     float exposure;
@@ -35,11 +41,10 @@ struct GatherPush {
 bool has_layers(const LightPass& pass) { return (pass.scene.features() & shared::kSceneLayers) != 0; }
 uint32_t pixels(const LightPass& pass) { return pass.film.width * pass.band.row_count; }
 
-// Over the band's slots, in rows that every device takes.
-void over_slots(const LightPass& pass, Pass& kernel) {
-    constexpr uint32_t kRow = 1u << 20;
-    const uint32_t count = pixels(pass);
-    kernel.over(std::min(count, kRow), (count + kRow - 1) / kRow);
+// The addresses before the frame's settings are filled in by the bindings.
+template <size_t kAddresses>
+void push_shade(Pass& kernel, const LightPass& pass, uint32_t list) {
+    kernel.push(ShadePush<kAddresses>{.frame = pass.settings, .list = list, .round = pass.round});
 }
 
 void shade_by(const LightPass& pass, const std::string& variant, uint32_t list) {
@@ -62,9 +67,13 @@ void shade_by(const LightPass& pass, const std::string& variant, uint32_t list) 
         .read_write("pending", pass.paths.pending)
         .read_write("distances", pass.signals.distances)
         .read("tiles", pass.tiles);
-    constexpr size_t kAddresses = 15;
-    if (pass.cache == nullptr) kernel.push(ShadePush<kAddresses>{.frame = pass.settings, .list = list, .round = pass.round});
-    else kernel.read_write("cache", *pass.cache).push(ShadePush<kAddresses + 1>{.frame = pass.settings, .list = list, .round = pass.round});
+    constexpr size_t kAddresses = 15, kOfCache = 1, kOfReuse = 3;
+    if (pass.cache != nullptr) kernel.read_write("cache", *pass.cache);
+    if (pass.reservoirs != nullptr) kernel.read_write("reservoirs", *pass.reservoirs).read_write("reuse", pass.paths.reuse).write("offers", pass.paths.offers);
+    if (pass.cache != nullptr && pass.reservoirs != nullptr) push_shade<kAddresses + kOfCache + kOfReuse>(kernel, pass, list);
+    else if (pass.reservoirs != nullptr) push_shade<kAddresses + kOfReuse>(kernel, pass, list);
+    else if (pass.cache != nullptr) push_shade<kAddresses + kOfCache>(kernel, pass, list);
+    else push_shade<kAddresses>(kernel, pass, list);
     kernel.over_indirect(machine.sizes, list * sizeof(shared::WavefrontSize));
 }
 
@@ -75,7 +84,12 @@ uint32_t usual_light_paths(const gpu::DeviceCaps& caps) {
     return static_cast<uint32_t>(std::min(caps.memory_bytes / (kShare * kPathBytes), kMost));
 }
 
-LightPaths make_light_paths(const gpu::DevicePtr& device, uint32_t slots, bool layers) {
+void over_slots(Pass& kernel, uint32_t slots) {
+    constexpr uint32_t kRow = 1u << 20;
+    kernel.over(std::min(slots, kRow), (slots + kRow - 1) / kRow);
+}
+
+LightPaths make_light_paths(const gpu::DevicePtr& device, uint32_t slots, const LightPathNeeds& needs) {
     const auto buffer = [&](const char* name, uint64_t count, uint64_t bytes) { return gpu::Buffer(device, std::string("realtime/") + name, count * bytes); };
     constexpr uint32_t kListPlaces = 2;  // wavefront/lists.glsl
     return {.machine = {.shape = {.slots = slots},
@@ -89,15 +103,21 @@ LightPaths make_light_paths(const gpu::DevicePtr& device, uint32_t slots, bool l
             .paths = buffer("paths", slots, sizeof(shared::LightPath)),
             .pending = buffer("pending", slots, sizeof(shared::LightPending)),
             .sums = buffer("sums", slots, sizeof(shared::LightSums)),
-            .inside = buffer("inside", layers ? slots : 1, sizeof(shared::LightPathInside))};
+            .inside = buffer("inside", needs.layers ? slots : 1, sizeof(shared::LightPathInside)),
+            .reuse = buffer("reuse", needs.reservoirs ? slots : 1, sizeof(shared::LightReuse)),
+            .offers = buffer("offers", needs.reservoirs ? slots : 1, sizeof(shared::PackedReservoir))};
 }
 
 WavefrontPass LightPass::tracing() const { return {.frame = frame, .scene = scene, .way = way, .film = film, .state = paths.machine, .slots = paths.machine.shape.slots}; }
 
-void sort_pixels(const LightPass& pass) {
+void begin_band(const LightPass& pass) {
     const WavefrontState& machine = pass.paths.machine;
     const shared::WavefrontControl control{.slice = pass.band, .pixel_count = pixels(pass), .slot_count = machine.shape.slots, .shadow_capacity = machine.shape.slots};
     pass.frame.upload(machine.control, 0, std::as_bytes(std::span(&control, 1)));
+}
+
+void sort_pixels(const LightPass& pass) {
+    const WavefrontState& machine = pass.paths.machine;
     Pass kernel = pass.frame.compute("realtime/sort", "+FIRST");
     kernel.scene(pass.scene.binding())
         .read("view", pass.film.view)
@@ -105,7 +125,7 @@ void sort_pixels(const LightPass& pass) {
         .read_write("control", machine.control)
         .read_write("lists", machine.lists)
         .push(SortFirstPush{.layers = has_layers(pass)});
-    over_slots(pass, kernel);
+    over_slots(kernel, pixels(pass));
 }
 
 void sort_paths(const LightPass& pass) {
@@ -120,17 +140,17 @@ void sort_paths(const LightPass& pass) {
 }
 
 void shade_paths(const LightPass& pass) {
-    const std::string cache = pass.cache != nullptr ? "+CACHE" : "", layers = has_layers(pass) ? "+LAYERS" : "";
+    const std::string cache = pass.cache != nullptr ? "+CACHE" : "", layers = has_layers(pass) ? "+LAYERS" : "", reuse = pass.reservoirs != nullptr ? "+REUSE" : "";
     const bool plain_kernel = has_layers(pass) && pass.cache != nullptr;
-    shade_by(pass, (plain_kernel ? "+PLAIN" : "") + layers + cache, shared::kListClasses + shared::kShadePlain);
-    shade_by(pass, layers + cache, shared::kListClasses + shared::kShadeRest);
+    shade_by(pass, (plain_kernel ? "+PLAIN" : "") + layers + cache + reuse, shared::kListClasses + shared::kShadePlain);
+    shade_by(pass, layers + cache + reuse, shared::kListClasses + shared::kShadeRest);
 }
 
 void connect_paths(const LightPass& pass) {
     const WavefrontState& machine = pass.paths.machine;
     const bool panes = (pass.scene.features() & shared::kScenePanes) != 0;
-    pass.frame.trace("realtime/connect", pass.way, panes ? "+PANES" : "")
-        .scene(pass.scene.binding())
+    Pass kernel = pass.frame.trace("realtime/connect", pass.way, std::string(panes ? "+PANES" : "") + (pass.reservoirs != nullptr ? "+REUSE" : ""));
+    kernel.scene(pass.scene.binding())
         .read("view", pass.film.view)
         .read_write("control", machine.control)
         .read("shadow_list", machine.shadow_list)
@@ -138,21 +158,22 @@ void connect_paths(const LightPass& pass) {
         .read_write("pending", pass.paths.pending)
         .read_write("sums", pass.paths.sums)
         .read_write("block", pass.film.block)
-        .read_write("rays", pass.film.rays)
-        .push(ConnectPush{})
-        .over_indirect(machine.sizes, shared::kListShadows * sizeof(shared::WavefrontSize));
+        .read_write("rays", pass.film.rays);
+    if (pass.reservoirs == nullptr) kernel.push(ConnectPush{});
+    else
+        kernel.read("offers", pass.paths.offers)
+            .read_write("reservoirs", *pass.reservoirs)
+            .push(ConnectReusePush{.frame_index = pass.settings.frame_index, .round = pass.round, .reservoir_sets = pass.settings.reservoir_sets});
+    kernel.over_indirect(machine.sizes, shared::kListShadows * sizeof(shared::WavefrontSize));
 }
 
 void gather_paths(const LightPass& pass) {
-    Pass kernel = pass.frame.compute("realtime/gather");
-    kernel.read("view", pass.film.view)
-        .read_write("control", pass.paths.machine.control)
-        .read("summary", pass.gbuffer.summary)
-        .read("sums", pass.paths.sums)
-        .write("diffuse", pass.signals.diffuse)
-        .write("specular", pass.signals.specular)
-        .push(GatherPush{.exposure = pass.settings.exposure});
-    over_slots(pass, kernel);
+    Pass kernel = pass.frame.compute("realtime/gather", pass.adds ? "+ADD" : "");
+    kernel.read("view", pass.film.view).read_write("control", pass.paths.machine.control).read("summary", pass.gbuffer.summary).read("sums", pass.paths.sums);
+    if (pass.adds) kernel.read_write("diffuse", pass.signals.diffuse).read_write("specular", pass.signals.specular);
+    else kernel.write("diffuse", pass.signals.diffuse).write("specular", pass.signals.specular);
+    kernel.push(GatherPush{.exposure = pass.settings.exposure});
+    over_slots(kernel, pixels(pass));
 }
 
 }  // namespace parhelion::passes

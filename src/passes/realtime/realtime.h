@@ -14,14 +14,18 @@ struct Signals {
 };
 Signals make_signals(const gpu::DevicePtr& device, uint64_t pixels);
 
-// Paths of a band: 212 bytes a slot, 20 of them only in scenes of layered materials.
+// Paths of a band: 192 bytes a slot, 20 more in scenes of layered materials, 84 more with reservoirs.
 struct LightPaths {
     WavefrontState machine;             // its control, sizes, lists, rays, hits, shadow_rays and shadow_list
     gpu::Buffer paths, pending, sums;   // LightPath, LightPending, LightSums [slots]
     gpu::Buffer inside;                 // LightPathInside[slots]; one without layers
+    gpu::Buffer reuse, offers;          // LightReuse, PackedReservoir (what shadow rays offer) [slots]; one without reservoirs
+};
+struct LightPathNeeds {
+    bool layers = false, reservoirs = false;
 };
 uint32_t usual_light_paths(const gpu::DeviceCaps& caps);  // a picture of 1920x1080 at once, in a sixteenth of the memory at most
-LightPaths make_light_paths(const gpu::DevicePtr& device, uint32_t slots, bool layers);
+LightPaths make_light_paths(const gpu::DevicePtr& device, uint32_t slots, const LightPathNeeds& needs);
 
 // What the passes of a band have in common.
 struct LightPass {
@@ -34,18 +38,24 @@ struct LightPass {
     const Signals& signals;
     const gpu::Buffer& tiles;
     const gpu::Buffer* cache;  // LightCache::buffer(), where paths may end in it
+    const gpu::Buffer* reservoirs;  // PackedReservoir[sets * pixels], where light is shared by them
     shared::RealtimeFrame settings;
     shared::Slice band;        // one sample, of the frame's index, of as many pixels as there are slots at most
     uint32_t round = 0;        // rays that each path has traced
+    bool adds = false;         // gather_paths adds to what the signals are already
 
     WavefrontPass tracing() const;  // for prepare_wavefront and extend
 };
 
-void sort_pixels(const LightPass& pass);   // the band begins: its paths by what their pixels see
+void begin_band(const LightPass& pass);    // whose pixels they are, and no list has entries
+void sort_pixels(const LightPass& pass);   // its paths by what their pixels see
 void sort_paths(const LightPass& pass);    // by what they met
 void shade_paths(const LightPass& pass);   // a kernel for plain materials, and one for the rest
 void connect_paths(const LightPass& pass);
 void gather_paths(const LightPass& pass);  // the band's signals
+
+// Over so many slots, in rows that every device takes.
+void over_slots(Pass& kernel, uint32_t slots);
 
 // The picture, as one sample of the film.
 void composite(Frame& frame, const Film& film, const GBuffer& gbuffer, const Signals& signals, float exposure);

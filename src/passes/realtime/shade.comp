@@ -4,9 +4,10 @@
 // reference's estimate, and without light tiles too it has the reference's samples of the frame's index.
 // Scenes of layered materials (glass, coats, sheen) have two kernels: PLAIN+LAYERS for surfaces that are plain.
 // Reads: scene, view, identity (what paths meet first), hits (later), lists (a kernel's), tiles. Reads and writes: control, lists (rays),
-// rays, paths, inside, sums, emission, block (path classes, debug layers), and with CACHE cache (cells that are missed, and longer lives).
-// Writes: shadow_list, shadow_rays, pending, distances (to what the first ray met).
-// variants: CACHE LAYERS LAYERS+CACHE PLAIN+LAYERS+CACHE
+// rays, paths, inside, sums, emission, block (path classes, debug layers), with CACHE cache (cells that are missed, and longer lives), and with
+// REUSE reservoirs (what may be shared of the light goes there) and reuse (second vertices).
+// Writes: shadow_list, shadow_rays, pending, distances (to what the first ray met); REUSE: offers (of the shadow rays).
+// variants: CACHE LAYERS LAYERS+CACHE PLAIN+LAYERS+CACHE REUSE CACHE+REUSE LAYERS+REUSE LAYERS+CACHE+REUSE PLAIN+LAYERS+CACHE+REUSE
 #extension GL_GOOGLE_include_directive : require
 #define OWN_SCATTERING
 #ifdef PLAIN
@@ -22,12 +23,19 @@
 #ifdef CACHE
 #include "realtime/end_in_cache.glsl"
 #endif
+#ifdef REUSE
+#include "realtime/second_vertex.glsl"
+#endif
 
 layout(set = 1, binding = 0, rgba32ui) uniform readonly uimage2D identity;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Hits { WavefrontHit v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer ShadowList { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer ShadowRays { WavefrontShadowRay v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Light { PackedLight v[]; };
+#ifdef REUSE
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Reuse { LightReuse v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer LightOffers { PackedReservoir v[]; };
+#endif
 layout(push_constant, scalar) uniform Push {
     ViewBlock view;
     Control control;
@@ -47,6 +55,11 @@ layout(push_constant, scalar) uniform Push {
 #ifdef CACHE
     Cache cache;
 #endif
+#ifdef REUSE
+    Reservoirs reservoirs;
+    Reuse reuse;
+    LightOffers offers;
+#endif
     RealtimeFrame frame;
     uint list;
     uint round;  // rays that each path has traced
@@ -54,6 +67,9 @@ layout(push_constant, scalar) uniform Push {
 
 Footprint footprint;
 vec3 from_cache = vec3(0.0);  // what the vertex got from there
+#ifdef REUSE
+#include "realtime/share.glsl"
+#endif
 
 NextEvent ask_for_light(ViewData view, PathKey key, PathState path, Shading shading, VertexNumbers u, bool first) {
     const uint shadow_key = alpha_key(key, path.path_class.bounce, kRayShadow);
@@ -67,8 +83,20 @@ NextEvent ask_for_light(ViewData view, PathKey key, PathState path, Shading shad
         u_light = tile_numbers(kept.place, key.sample_index, key.seed, 1u);
     } else pick = pick_light(shading.s.position_ws, shading.s.n_geometric_ws, u.pick);
     if (path.path_class.bounce == 0u) film_add(push.block, view, kFilmDebugLight, key.pixel.y * view.width + key.pixel.x, vec3(float(pick.emitter == kNone ? 0u : pick.emitter + 1u)));
-    NextEvent event = next_event(view, path, shading, sample_light(pick, shading.s.position_ws, u_light), resampled ? 1.0 / float(push.frame.candidates) : 1.0, shadow_key);
+#ifdef REUSE
+    const bool of_sky = pick.emitter == scene.header.environment.emitter;
+    if (push.round == 0u && may_share(shading.s)) {
+        if (!of_sky) u_light.xy = unpack_place(pack_place(u_light.xy));  // as others will have it
+        asked = sample_of_light(pick, u_light);
+    }
+#endif
+    const LightSample light = sample_light(pick, shading.s.position_ws, u_light);
+    NextEvent event = next_event(view, path, shading, light, resampled ? 1.0 / float(push.frame.candidates) : 1.0, shadow_key);
     if (resampled) event.value = scale(event.value, vec3(kept.scale));
+#ifdef REUSE
+    if (asked.kind != kSampleNone && of_sky) asked = sample_of_direction(kSampleSky, pick.emitter, event.ray.direction_ws, light.radiance);
+    if (asked.kind != kSampleNone) asked_density = (of_sky ? light.pdf : pick.probability) / kept.scale;
+#endif
     return event;
 }
 
@@ -78,23 +106,49 @@ void scatter_at(ViewData view, PathKey key, Shading shading, VertexNumbers u, in
     const bool first = bounce == 0u || straight;
     footprint.flags &= ~kLobeFirst;
     if (!mirror) footprint.flags = footprint.flags & ~kLobeStraight | (first ? kLobeFirst : 0u) | (straight && bounce != 0u ? kLobeBehind : 0u);
+    bool ended = false;
+    float density = 0.0;
+#ifdef REUSE
+    note_second(path, shading);
+    const float factor = max_component(path.throughput) / arrived;
+    const vec3 diffuse_share = path.path_class.diffuse_share;
+    const bool splits = (first && !mirror) || (push.round == 1u && is_second());
+#else
+    const bool splits = first && !mirror;
+#endif
 #ifdef CACHE
     advance(footprint, path.travelled + shading.s.t);
     const bool last = !first && footprint.reflections >= push.frame.path_bounces && may_end_in_cache(shading);
-    const bool ended = !first && end_in_cache(push.cache, view, key, path, shading, u, footprint, last, from_cache);
+    ended = !first && end_in_cache(push.cache, view, key, path, shading, u, footprint, last, from_cache);
+#ifdef REUSE
+    cached = (push.round == 1u ? vec3(factor) : path.throughput) * from_cache;
+    if (ended) second.bits |= push.round == 1u ? kReuseGlossy : 0u;
+#endif
+    from_cache *= path.throughput;
     float glossy_share = 1.0;
     if (ended && (last || !keep_glossy(path, shading, key, glossy_share))) return;
+#endif
     if (!mirror) result.event = ask_for_light(view, key, path, shading, u, first);
+#ifdef CACHE
     if (ended) {
         result.event.value.diffuse = vec3(0.0);
         result.event.exists = result.event.exists && max_component(total(result.event.value)) > 0.0;
     }
+#endif
+#ifdef REUSE
+    note_event(path, shading, result.event);
+#endif
+#ifdef CACHE
     if (last) return;
-    result.goes_on = ended ? scatter_glossy(path, shading, u, glossy_share, next_key) : scatter(path, shading, u.scatter, true, first && !mirror, next_key);
+    result.goes_on = ended ? scatter_glossy(path, shading, u, glossy_share, next_key, density) : scatter(path, shading, u.scatter, true, splits, next_key);
     spread(footprint, path.pdf, mirror || dot(path.ray.direction_ws, shading.n_geometric_ws) < 0.0);
 #else
-    if (!mirror) result.event = ask_for_light(view, key, path, shading, u, first);
-    result.goes_on = scatter(path, shading, u.scatter, true, first && !mirror, next_key);
+    result.goes_on = scatter(path, shading, u.scatter, true, splits, next_key);
+#endif
+#ifdef REUSE
+    const vec3 second_diffuse = ended ? vec3(0.0) : path.path_class.diffuse_share;
+    if (push.round == 1u) path.path_class.diffuse_share = diffuse_share;
+    note_scattering(path, shading, factor, ended ? density : path.pdf, second_diffuse);
 #endif
     // One BSDF sample stands against all candidates.
     if (first && push.frame.tiles != 0u && path.pdf > 0.0) path.pdf /= float(push.frame.candidates);
@@ -108,7 +162,7 @@ bool is_seen_straight(PathClass path_class, uint lobes) { return push.frame.foll
 vec3 diffuse_share(PathClass path_class) { return push.frame.follows == 0u && path_class.transmitted ? vec3(0.0) : path_class.diffuse_share; }
 
 // Light that is there without a shadow ray.
-void keep_arriving(ViewData view, uint slot, uint pixel, PathClass path_class, uint lobes, vec3 arriving) {
+void keep_arriving(ViewData view, uint slot, uint pixel, PathClass path_class, PathClass cached_class, uint lobes, vec3 arriving) {
     if (push.round == 0u) {
         push.sums.v[slot] = LightSums(vec3(0.0), vec3(0.0));
         push.emission.v[pixel] = pack_light(vec3(0.0));
@@ -116,12 +170,12 @@ void keep_arriving(ViewData view, uint slot, uint pixel, PathClass path_class, u
     if (arriving == vec3(0.0) && from_cache == vec3(0.0)) return;
     if (is_seen_straight(path_class, lobes)) push.emission.v[pixel] = pack_light(unpack_light(push.emission.v[pixel]) + arriving * push.frame.exposure);
     else {
-        const vec3 share = diffuse_share(path_class);
-        add_light(push.sums, slot, share * arriving + share * from_cache, (1.0 - share) * arriving + (1.0 - share) * from_cache);
+        const vec3 share = diffuse_share(path_class), of_cached = diffuse_share(cached_class);
+        add_light(push.sums, slot, share * arriving + of_cached * from_cache, (1.0 - share) * arriving + (1.0 - of_cached) * from_cache);
     }
     PathRadiance light = make_path_radiance();
     add_arriving(light, film_class(path_class, lobes), arriving);
-    add_sampled(light, film_class(path_class, lobes), from_cache, kNoBsdfValue);
+    add_sampled(light, film_class(cached_class, lobes), from_cache, kNoBsdfValue);
     film_add_path_classes(push.block, view, pixel, light);
 }
 
@@ -167,16 +221,33 @@ VertexResult shade(uint slot) {
     const uint lobes = footprint.flags;
     FirstHit first;
     VertexResult vertex;
+#ifdef REUSE
+    const vec3 came_by = path.ray.direction_ws;
+    const float came_with = path.pdf;
+    const float of_roulette = begin_sharing(view, slot, pixel, path);
+#endif
     if (met.instance_bits == kHitMiss) vertex = end_in_sky(view, path, first);
     else vertex = shade_vertex(view, key, Hit(met.instance_bits, met.geometry, met.primitive, 0u, 0.0), path, first);
     if (push.round != 0u) film_add(push.block, view, kFilmDebugRays, pixel, vec3(1.0));
     if (push.round == 0u || (lobes & kLobeFirst) != 0u) push.distances.v[pixel] = push.round == 0u ? 0u : pack_distance(vertex.t, before);
-    keep_arriving(view, slot, pixel, before, lobes, vertex.arriving);
-    if (vertex.event.exists) keep_event(slot, pixel, before, lobes, vertex.event);
+#ifdef REUSE
+    path.radiance_scale /= of_roulette;
+#endif
+    PathClass of_arriving = before, of_cached = before, of_event = before;
+#ifdef REUSE
+    share_arriving(view, key, met, came_by, came_with, vertex, of_arriving);
+    share_cached(view, key, of_cached);
+    if (vertex.event.exists) share_event(slot, vertex.event, of_event);
+#endif
+    keep_arriving(view, slot, pixel, of_arriving, of_cached, lobes, vertex.arriving);
+    if (vertex.event.exists) keep_event(slot, pixel, of_event, lobes, vertex.event);
     if (vertex.goes_on) {
         push.rays.v[slot] = pack_ray(path);
         push.paths.v[slot] = pack_light_path(path, footprint);
         if (kLayers) push.inside.v[slot] = pack_inside(path);
+#ifdef REUSE
+        keep_second(slot);
+#endif
     }
     return vertex;
 }

@@ -44,8 +44,9 @@ layout(push_constant, scalar) uniform Push {
 const float kStillWidth = 1.25;   // times the kernel's deviation, where the picture stands still: that of a pixel's box
 const float kMovingShare = 0.25;  // of `frames`, where the picture moves: every frame's resampling blurs a little
 const float kMoves = 0.1;         // of moves(): then rays that miss what was there do not miss it by chance
+const float kWirePixels = 3.0;    // of the frame: what is as wide to one side is no wire, and is not missed
 const float kMissesStill = 6.0;   // pairs of frames in a row that may miss a detail before it is gone, where it stands still
-const float kSeenShare = 0.1;     // weight of a rendered pixel by which its surface is one of those that the picture's is made of
+const float kSeenShare = 0.03;    // weight of a rendered pixel by which its surface is one of those that the picture's is made of
 const float kLeftShare = 0.5;     // what is left of a history whose second surface has left
 const float kAlike = 0.6, kUnlike = 0.9;  // difference of two neighbourhoods' means over their deviations: only details differ; more than those
 const float kSameShare = 0.004, kSameMeanShare = 0.02;  // of the mean root that a history, and its neighbourhood's mean, may lie off where no colour deviates
@@ -150,22 +151,22 @@ float fits(Frame f, uvec2 surfaces, bool moved) {
     return !has(f.here, surfaces.x) ? 0.0 : is_whole(f, surfaces) ? 1.0 : kLeftShare;
 }
 
-// The history at a place, of those of its four pixels that fit, and the surfaces of the nearest; returns how much of it fits.
-float read_fitting(Frame f, vec2 at_px, vec2 size, bool moved, out vec3 color, out uvec2 surfaces) {
+uvec2 surfaces_before(vec2 at_px, vec2 size) { return unpack_surfaces(imageLoad(shown_before, clamp(ivec2(floor(at_px)), ivec2(0), ivec2(size) - 1)).rg); }
+
+// A surface that is not around any more was more than a wire: some pixels on, the history shows nothing else.
+bool has_left(Frame f, uvec2 surfaces, vec2 at_px, vec2 size, vec2 ratio) {
+    const uvec2 alone = uvec2(has(f.here, surfaces.x) ? surfaces.y : surfaces.x, kNoSurface);
+    for (int i = 0; i < 4; ++i)
+        if (surfaces_before(at_px + kWirePixels * ratio * vec2[](vec2(-1, 0), vec2(1, 0), vec2(0, -1), vec2(0, 1))[i], size) == alone) return true;
+    return false;
+}
+
+// The history at a place, of those of its four pixels that fit; returns how much of it does.
+float read_fitting(Frame f, vec2 at_px, vec2 size, bool moved, out vec3 color) {
     const ivec2 first = ivec2(floor(at_px - 0.5));
     const vec2 t = at_px - 0.5 - vec2(first);
     vec4 weights = vec4((1.0 - t.x) * (1.0 - t.y), t.x * (1.0 - t.y), (1.0 - t.x) * t.y, t.x * t.y);
-    float most = 0.0;
-    for (int i = 0; i < 4; ++i) {
-        if (weights[i] < 0.02) {
-            weights[i] = 0.0;
-            continue;
-        }
-        const uvec2 there = unpack_surfaces(imageLoad(shown_before, clamp(first + ivec2(i & 1, i >> 1), ivec2(0), ivec2(size) - 1)).rg);
-        if (weights[i] > most) surfaces = there;
-        most = max(most, weights[i]);
-        weights[i] *= fits(f, there, moved);
-    }
+    for (int i = 0; i < 4; ++i) weights[i] *= weights[i] < 0.02 ? 0.0 : fits(f, surfaces_before(vec2(first) + vec2(i & 1, i >> 1), size), moved);
     const float fitting = dot(weights, vec4(1.0));
     if (fitting > 0.9) {
         color = read_history(at_px, size);
@@ -182,7 +183,9 @@ Past recall(Frame f, vec2 before_px, vec2 moved_px, vec2 size, vec2 ratio, uint 
     const Worth kept = unpack_worth(texelFetch(history, ivec2(before_px), 0).a, push.frames);
     const float moving = moves(moved_px);
     Past past = kNoPast;
-    const float fitting = read_fitting(f, before_px, size, moving > kMoves || kept.moved, past.color, past.surfaces);
+    past.surfaces = surfaces_before(before_px, size);
+    const bool moved = moving > kMoves || kept.moved || (!is_whole(f, past.surfaces) && has_left(f, past.surfaces, before_px, size, ratio));
+    const float fitting = read_fitting(f, before_px, size, moved, past.color);
     if (fitting <= 0.0) return kNoPast;
     past.frames = min(kept.frames, push.frames * mix(1.0, kMovingShare, moving)) * fitting;
     // The middle of the box is the mean light's: that of roots lies below it wherever colours differ, and would darken what is clipped. What
@@ -192,7 +195,7 @@ Past recall(Frame f, vec2 before_px, vec2 moved_px, vec2 size, vec2 ratio, uint 
     const float most = max_component(share);
     if (most <= 1.0) return past;
     past.misses = min(kept.misses + float(random_bit), kMostMisses);
-    const bool may_be_detail = past.misses <= kMissesStill * (1.0 - moving) && !kept.moved;
+    const bool may_be_detail = past.misses <= kMissesStill * (1.0 - moving) && !moved;
     if (may_be_detail && !is_whole(f, past.surfaces)) return past;  // a wire that this frame's rays miss
     const float unlike = may_be_detail ? difference(f.roots, look_back(past.color, before_px, size, ratio), kSameMeanShare) : kUnlike;
     const float stays = mix(1.0, 1.0 / most, smoothstep(kAlike, kUnlike, unlike));

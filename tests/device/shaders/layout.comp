@@ -51,11 +51,19 @@ layout(set = 1, binding = 0, scalar) buffer AllStructs {
     LightPathInside light_path_inside[2];
     LightPending light_pending[2];
     LightSums light_sums[2];
+    PackedSample packed_sample[2];
+    PackedReservoir packed_reservoir[2];
+    LightReuse light_reuse[2];
+    ReuseFrame reuse_frame[2];
     CacheHeader cache_header[2];
     CacheFrameData cache_frame_data[2];
     CacheSize cache_size[2];
     CacheUpdate cache_update[2];
     CachePath cache_path[2];
+    WorkChunk work_chunk[2];
+    JointInfluence joint_influence[2];
+    ActiveTarget active_target[2];
+    DeformJob deform_job[2];
 } all_structs;
 
 // Copying struct by struct: the block has its own layout, a local variable none.
@@ -113,5 +121,9 @@ void main() {
         all_structs.cache_size[i] = value.cache_size[i];
         all_structs.cache_update[i] = value.cache_update[i];
         all_structs.cache_path[i] = value.cache_path[i];
+        all_structs.work_chunk[i] = value.work_chunk[i];
+        all_structs.joint_influence[i] = value.joint_influence[i];
+        all_structs.active_target[i] = value.active_target[i];
+        all_structs.deform_job[i] = value.deform_job[i];
     }
 }

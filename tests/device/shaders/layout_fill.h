@@ -3,6 +3,8 @@
 #define PARHELION_TEST_LAYOUT_FILL_H
 #include "shared/bvh.h"
 #include "shared/cache.h"
+#include "shared/chunks.h"
+#include "shared/deform.h"
 #include "shared/functions.h"
 #include "shared/hit.h"
 #include "shared/raster.h"
@@ -10,6 +12,7 @@
 #include "shared/scene.h"
 #include "shared/view.h"
 #include "shared/realtime.h"
+#include "shared/reservoir.h"
 #include "shared/wavefront.h"
 SHARED_BEGIN
 
@@ -60,11 +63,19 @@ struct LayoutStructs {
     LightPathInside light_path_inside[2];
     LightPending light_pending[2];
     LightSums light_sums[2];
+    PackedSample packed_sample[2];
+    PackedReservoir packed_reservoir[2];
+    LightReuse light_reuse[2];
+    ReuseFrame reuse_frame[2];
     CacheHeader cache_header[2];  // stays zero too
     CacheFrameData cache_frame_data[2];
     CacheSize cache_size[2];
     CacheUpdate cache_update[2];
     CachePath cache_path[2];
+    WorkChunk work_chunk[2];
+    JointInfluence joint_influence[2];
+    ActiveTarget active_target[2];
+    DeformJob deform_job[2];
 };
 
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(uint) v) { v = n++; }
@@ -80,7 +91,7 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(uvec4) v) { for (int i = 
 
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Affine) v) { F(row0) F(row1) F(row2) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Instance) v) {
-    F(world_from_object) F(object_from_world) F(world_from_object_before) F(geometry_base) F(geometry_count) F(emitter_base) F(flags) F(mask)
+    F(world_from_object) F(object_from_world) F(world_from_object_before) F(geometry_base) F(geometry_base_before) F(geometry_count) F(emitter_base) F(flags) F(mask)
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Geometry) v) {
     F(positions) F(indices) F(attributes) F(triangle_count) F(vertex_count) F(material) F(flags) F(triangle_table)
@@ -112,7 +123,7 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Camera) v) { F(position_w
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(CameraMotion) v) { F(translation_ws) F(axis_ws) F(half_angle) F(zoom) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(ViewData) v) {
     F(camera) F(camera_before) F(motion) F(width) F(height) F(seed) F(sampler_kind) F(max_bounces) F(pixel_filter) F(roulette_start) F(light_sampling) F(flags) F(firefly_clamp)
-    F(pixel_width) F(pixel_spread) F(jitter)
+    F(pixel_width) F(pixel_spread) F(jitter) F(jitter_before)
     for (uint i = 0u; i < kFilmGroupCount; ++i) F(channel[i])
     F(channel_count)
 }
@@ -144,27 +155,37 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontFirst) v) { F(al
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontSize) v) { F(x) F(y) F(z) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(TileSample) v) { F(place_ws) F(normal) F(bits) F(inverse_pdf) F(emitter) F(triangle) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(PackedLight) v) { F(low) F(high) }
-SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(RealtimeFrame) v) { F(frame_index) F(exposure) F(candidates) F(tiles) F(path_bounces) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(RealtimeFrame) v) { F(frame_index) F(exposure) F(candidates) F(tiles) F(path_bounces) F(follows) F(reservoir_sets) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(LightPath) v) {
     F(throughput) F(pdf) F(diffuse_share) F(travelled) F(cone_width) F(cone_spread) F(way) F(lobes)
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(LightPathInside) v) { F(media) F(radiance_scale) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(LightPending) v) { F(diffuse) F(pixel) F(specular) F(kind) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(LightSums) v) { F(diffuse) F(specular) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(PackedSample) v) { F(reference) F(number) F(place) F(bits) F(direction) F(radiance_low) F(radiance_high) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(PackedReservoir) v) { F(point) F(weight) F(target) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(LightReuse) v) { F(prefix) F(share) F(direction) F(instance) F(number) F(place) F(bits) F(density) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(ReuseFrame) v) { F(frame_index) F(set) F(candidates) F(most_confidence) F(neighbours) F(radius_px) F(permutation) F(reset) F(exposure) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(CacheFrameData) v) {
     F(frame_index) F(seed) F(exposure) F(exposure_ratio) F(cell_scale) F(cell_pixels) F(jitter) F(life) F(most_samples) F(candidates)
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(CacheSize) v) { F(x) F(y) F(z) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(CacheUpdate) v) { F(found) F(link) F(share) F(sum) F(otherwise) F(target) F(value) F(bits) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(CachePath) v) { F(throughput) F(pdf) F(media) F(travelled) F(radiance_scale) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WorkChunk) v) { F(job) F(first) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(JointInfluence) v) { F(joint) F(weight) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(ActiveTarget) v) { F(positions) F(normals) F(tangents) F(weight) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(DeformJob) v) {
+    F(rest_positions) F(rest_attributes) F(positions) F(attributes) F(influences) F(vertex_count) F(influence_count) F(joint) F(target) F(target_count)
+}
 
 // Entry i of every array.
 SHARED_FN void fill_entry(SHARED_INOUT(uint) n, SHARED_INOUT(LayoutStructs) v, uint i) {
     F(scene_header[i]) F(geometry[i]) F(bvh_addresses[i]) F(affine[i]) F(instance[i]) F(vertex_attributes[i]) F(texture_entry[i]) F(texture_ref[i]) F(material[i]) F(emitter[i])
     F(alias_entry[i]) F(environment[i]) F(hit[i]) F(camera[i]) F(camera_motion[i]) F(view_data[i]) F(slice[i]) F(dumped_ray[i]) F(drawn_geometry[i]) F(raster_counts[i]) F(bvh_node[i]) F(bvh_node_binary[i]) F(bvh_node_compact[i]) F(bvh_triangle[i]) F(bvh_top_item[i])
     F(traversal_ray[i]) F(traversal_hit[i])
-    F(wavefront_ray[i]) F(wavefront_hit[i]) F(wavefront_path[i]) F(wavefront_extra[i]) F(wavefront_slot[i]) F(wavefront_vertex[i]) F(wavefront_shadow_ray[i]) F(wavefront_split[i]) F(wavefront_class_sums[i]) F(wavefront_size[i]) F(wavefront_first[i]) F(tile_sample[i]) F(packed_light[i]) F(realtime_frame[i]) F(light_path[i]) F(light_path_inside[i]) F(light_pending[i]) F(light_sums[i])
-    F(cache_frame_data[i]) F(cache_size[i]) F(cache_update[i]) F(cache_path[i])
+    F(wavefront_ray[i]) F(wavefront_hit[i]) F(wavefront_path[i]) F(wavefront_extra[i]) F(wavefront_slot[i]) F(wavefront_vertex[i]) F(wavefront_shadow_ray[i]) F(wavefront_split[i]) F(wavefront_class_sums[i]) F(wavefront_size[i]) F(wavefront_first[i]) F(tile_sample[i]) F(packed_light[i]) F(realtime_frame[i]) F(light_path[i]) F(light_path_inside[i]) F(light_pending[i]) F(light_sums[i]) F(packed_sample[i]) F(packed_reservoir[i]) F(light_reuse[i]) F(reuse_frame[i])
+    F(cache_frame_data[i]) F(cache_size[i]) F(cache_update[i]) F(cache_path[i]) F(work_chunk[i]) F(joint_influence[i]) F(active_target[i]) F(deform_job[i])
 }
 #undef F
 

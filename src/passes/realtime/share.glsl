@@ -1,0 +1,150 @@
+// The part of Shade that shares a path's light with other pixels (REUSE): notes its second vertex, and hands what may be shared to the pixel's
+// reservoir. Uses Shade's push constants and its globals.
+#ifndef PARHELION_REALTIME_SHARE_GLSL
+#define PARHELION_REALTIME_SHARE_GLSL
+
+LightReuse second = kNoReuse;
+vec3 cached = vec3(0.0);                // the same, as it leaves the second vertex
+LightSampleRef asked = kNoSampleRef;    // what the shadow ray offers, if it is free,
+float asked_density = 1.0;              // with which it was found,
+vec3 asked_share = vec3(0.0);           // and the share of its light that the second vertex lets others have
+float arrived = 1.0;                    // the throughput's largest part as the path came here,
+vec3 prefix = vec3(1.0);                // and what it lacks
+
+bool is_second() { return (second.bits & kReuseSecond) != 0u; }
+
+// The path comes to its next vertex. Roulette there is by its whole throughput: gives what that takes, to be undone after it.
+float begin_sharing(ViewData view, uint slot, uint pixel, inout PathState path) {
+    if (push.round == 0u) clear_reservoirs(push.reservoirs, view, pixel, push.frame.reservoir_sets);
+    else second = push.reuse.v[slot];
+    arrived = max_component(path.throughput);
+    prefix = second.prefix;
+    const float of_roulette = arrived / max(max_component(second.prefix * path.throughput), 1e-30);
+    path.radiance_scale *= of_roulette;
+    return of_roulette;
+}
+
+// Of a path that left its first surface with the density that it keeps, which stands against all candidates: per area of what it met.
+float area_density(float pdf, float t, float facing) {
+    return pdf * (push.frame.tiles != 0u ? float(push.frame.candidates) : 1.0) * facing / (t * t);
+}
+
+// The surface is what the path left the first one for.
+void note_second(PathState path, Shading shading) {
+    const Surface s = shading.s;
+    if (push.round != 1u || (second.bits & kReuseFirst) == 0u || !may_share(s) || !is_packable(s.geometry)) return;
+    second.instance = s.instance;
+    second.number = s.primitive;
+    second.place = pack_place(s.barycentrics);
+    second.density = area_density(path.pdf, s.t, abs(dot(shading.n_geometric_ws, path.ray.direction_ws)));
+    if (second.density <= 0.0) return;
+    second.bits |= s.geometry | kReuseSecond | (s.front_facing ? kReuseFront : 0u);
+}
+
+// What the light sample of a vertex is to others. `path`: as it stands before it scatters.
+void note_event(PathState path, Shading shading, NextEvent event) {
+    if (!event.exists) return;
+    if (push.round == 1u && is_second()) {
+        asked = sample_at_second(second, kSampleReconnection, event.ray.direction_ws, max_component(path.throughput) / arrived * event.light);
+        asked_density = second.density;
+        asked_share = total(shared_value(event.value, is_rough(shading.s))) / max(total(event.value), vec3(1e-30));
+    } else if (is_second()) {
+        asked = sample_at_second(second, kSampleReconnection, unpack_direction(second.direction), total(event.value));
+        asked_density = second.density;
+        asked_share = second.share;
+    }
+}
+
+// The path has left its first surface, or its second: from there on its throughput is that of what lies behind. `factor`: of the path before it
+// scattered; `density`: of the direction.
+void note_scattering(inout PathState path, Shading shading, float factor, float density, vec3 diffuse_share) {
+    if (push.round == 0u && may_share(shading.s) && path.pdf > 0.0 && !path.path_class.transmitted) second.bits |= kReuseFirst | (is_rough(shading.s) ? kReuseRough : 0u);
+    if (push.round != 1u || !is_second()) return;
+    if (path.pdf <= 0.0 || density <= 0.0) {
+        second.bits &= ~kReuseSecond;
+        return;
+    }
+    second.share = is_rough(shading.s) ? vec3(1.0) : diffuse_share;
+    second.direction = pack_direction(path.ray.direction_ws);
+    second.prefix = path.throughput * (density / factor);
+    path.throughput = vec3(factor / density);
+}
+
+void offer_now(ViewData view, PathKey key, LightSampleRef y, vec3 brings, float density, uint which) {
+    if (!(max_component(brings) > 0.0)) return;
+    const uint pixel = key.pixel.y * view.width + key.pixel.x;
+    offer(push.reservoirs, reservoir_at(view, pixel, y.kind, push.frame.reservoir_sets), pack_sample(y, 1u), luminance(brings), luminance(brings) * density, offer_number(key.pixel, key.sample_index, key.seed, push.round, which));
+}
+
+void keep_second(uint slot) {
+    push.reuse.v[slot].prefix = second.prefix;
+    push.reuse.v[slot].share = second.share;
+    push.reuse.v[slot].direction = second.direction;
+    push.reuse.v[slot].instance = second.instance;
+    push.reuse.v[slot].number = second.number;
+    push.reuse.v[slot].place = second.place;
+    push.reuse.v[slot].bits = second.bits;
+    push.reuse.v[slot].density = second.density;
+}
+
+// What of the arriving light may be shared goes to the reservoir.
+void share_arriving(ViewData view, PathKey key, WavefrontHit met, vec3 came_by, float came_with, inout VertexResult vertex, inout PathClass path_class) {
+    if (push.round == 0u) return;
+    const vec3 light = vertex.arriving;
+    vec3 arriving = light * prefix;
+    if (light == vec3(0.0)) return;
+    if (path_class.bounce >= 2u && is_second()) {
+        const vec3 taken = take_shared(arriving, path_class, second, second.share);
+        offer_now(view, key, sample_at_second(second, kSampleReconnection, unpack_direction(second.direction), light), taken, second.density, 0u);
+    } else if (push.round == 1u && (second.bits & kReuseFirst) != 0u) {
+        if (met.instance_bits == kHitMiss) offer_now(view, key, sample_of_direction(kSampleOutside, scene.header.environment.emitter, came_by, light), take_shared(arriving, path_class, second, vec3(1.0)), area_density(came_with, 1.0, 1.0), 0u);
+        else if (is_packable(met.geometry)) {
+            LightSampleRef y = kNoSampleRef;
+            y.kind = kSampleEmitter;
+            y.flags = kSampleSeen;
+            y.reference = met.instance_bits & kHitInstanceMask;
+            y.geometry = met.geometry;
+            y.number = met.primitive;
+            y.place = pack_place(vertex.barycentrics);
+            y.radiance = light;
+            offer_now(view, key, y, take_shared(arriving, path_class, second, vec3(1.0)), area_density(came_with, vertex.t, vertex.facing), 0u);
+        }
+    }
+    vertex.arriving = arriving;
+}
+
+// And of what the cache knows.
+void share_cached(ViewData view, PathKey key, inout PathClass path_class) {
+    from_cache *= prefix;
+    if (from_cache == vec3(0.0) || !is_second()) return;
+    const bool here = push.round == 1u;
+    const vec3 taken = take_shared(from_cache, path_class, second, here ? vec3(1.0) : second.share);
+    offer_now(view, key, sample_at_second(second, here ? kSampleRadiosity : kSampleReconnection, unpack_direction(second.direction), cached), taken, second.density, 1u);
+}
+
+// And of a light sample, with its shadow ray.
+void share_event(uint slot, inout NextEvent event, inout PathClass path_class) {
+    float weight = 0.0;
+    if (push.round == 0u) {
+        if (asked.kind != kSampleNone) {
+            weight = luminance(event.value.diffuse + event.value.specular);
+            event.value.diffuse = event.value.specular = vec3(0.0);
+        }
+    } else {
+        vec3 light = prefix * total(event.value);
+        if (asked.kind != kSampleNone) weight = luminance(take_shared(light, path_class, second, asked_share));
+        event.value = BsdfValue(light, vec3(0.0), vec3(0.0));
+    }
+    push.offers.v[slot].weight = weight;
+    push.offers.v[slot].target = weight * asked_density;
+    if (!(weight > 0.0)) return;
+    const PackedSample point = pack_sample(asked, 1u);
+    push.offers.v[slot].point.reference = point.reference;
+    push.offers.v[slot].point.number = point.number;
+    push.offers.v[slot].point.place = point.place;
+    push.offers.v[slot].point.bits = point.bits;
+    push.offers.v[slot].point.direction = point.direction;
+    push.offers.v[slot].point.radiance_low = point.radiance_low;
+    push.offers.v[slot].point.radiance_high = point.radiance_high;
+}
+#endif

@@ -1,0 +1,40 @@
+// What both kinds of temporal reuse know of the last frame. A pass that includes it declares its push constants first, with `view`, `history`
+// and `frame`.
+#ifndef PARHELION_REUSE_BEFORE_GLSL
+#define PARHELION_REUSE_BEFORE_GLSL
+#include "reuse/reservoirs.glsl"
+
+// Rows of the last frame's instances and emitters become this one's; what is gone brings nothing.
+void translate(inout Reservoir r) {
+    const uint kind = r.point.kind;
+    if (kind == kSampleNone) return;
+    if (kind == kSampleLight || kind == kSampleSky) r.point.reference = emitter_now(r.point.reference);
+    else if (kind != kSampleOutside) r.point.reference = instance_now(r.point.reference);
+    if (kind != kSampleOutside && r.point.reference == kNone) {
+        r.point = kNoSampleRef;
+        r.weight = r.target = 0.0;
+    }
+}
+
+// The pixel that saw the surface in the last frame, or one near it: near ones are exchanged, in another way each frame, so that what is repeated
+// does not stay in place (Wyman and Panteleev 2021, section 4). False: there is none.
+bool find_before(ViewData view, uvec2 id, vec2 moved, out ivec2 before) {
+    before = ivec2(0);
+    if (push.frame.reset != 0u || any(isinf(moved))) return false;
+    before = ivec2(floor(vec2(id) + 0.5 + moved + (view.jitter - view.jitter_before)));
+    const ivec2 size = ivec2(view.width, view.height), offset = ivec2(push.frame.permutation & 3u, push.frame.permutation >> 2 & 3u);
+    if (any(lessThan(before, ivec2(0))) || any(greaterThanEqual(before, size))) return false;
+    const ivec2 exchanged = ((before + offset) ^ 3) - offset;
+    if (push.frame.permutation != 0xFFFFFFFFu && all(greaterThanEqual(exchanged, ivec2(0))) && all(lessThan(exchanged, size))) before = exchanged;
+    return true;
+}
+
+// What a pixel of the last frame knew.
+Reservoir recall(ViewData view, ivec2 before) {
+    Reservoir history = unpack_reservoir(push.history.v[reservoir_at(view, push.frame, uvec2(before))]);
+    history.confidence = min(history.confidence, push.frame.most_confidence);
+    history.point.flags &= ~kSampleSeen;
+    translate(history);
+    return history;
+}
+#endif

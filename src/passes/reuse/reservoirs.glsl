@@ -1,0 +1,45 @@
+// Reservoirs of a view's pixels: where they lie, and what both passes of reuse know of a pixel's surface.
+#ifndef PARHELION_REUSE_RESERVOIRS_GLSL
+#define PARHELION_REUSE_RESERVOIRS_GLSL
+#include "scene/shift.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ViewBlock { ViewData data; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Reservoirs { PackedReservoir v[]; };
+
+uint reservoir_at(ViewData view, ReuseFrame frame, uvec2 pixel) { return frame.set * view.width * view.height + pixel.y * view.width + pixel.x; }
+
+void store_reservoir(Reservoirs reservoirs, uint at, Reservoir r) {
+    const PackedReservoir p = pack_reservoir(r);
+    reservoirs.v[at].point.reference = p.point.reference;
+    reservoirs.v[at].point.number = p.point.number;
+    reservoirs.v[at].point.place = p.point.place;
+    reservoirs.v[at].point.bits = p.point.bits;
+    reservoirs.v[at].point.direction = p.point.direction;
+    reservoirs.v[at].point.radiance_low = p.point.radiance_low;
+    reservoirs.v[at].point.radiance_high = p.point.radiance_high;
+    reservoirs.v[at].weight = p.weight;
+    reservoirs.v[at].target = p.target;
+}
+
+float bsdf_share(ReuseFrame frame) { return frame.candidates == 0u ? 1.0 : 1.0 / float(frame.candidates); }
+PathKey key_of(ViewData view, uvec2 pixel, uint frame_index) { return PathKey(pixel, frame_index, view.seed); }
+
+// Keys of rays and numbers of a pixel's steps of reuse.
+uint reuse_ray_key(ViewData view, uvec2 pixel, ReuseFrame frame, uint step) {
+    const uint kBehindPaths = 0x10000u;
+    return alpha_key(key_of(view, pixel, frame.frame_index), kBehindPaths + 2u * step + frame.set, kRayShadow);
+}
+vec4 reuse_numbers(ViewData view, uvec2 pixel, ReuseFrame frame, uint step) {
+    const uint kReuseSalt = 0x52455553u;
+    const uvec4 h = pcg4d(uvec4(pixel.x | pixel.y << 16, frame.frame_index, view.seed ^ kReuseSalt, 2u * step + frame.set));
+    return vec4(uint_to_unit_float(h.x), uint_to_unit_float(h.y), uint_to_unit_float(h.z), uint_to_unit_float(h.w));
+}
+
+const float kLeastSimilarCosine = 0.9;
+
+// Surfaces that may well be lit alike. The plane test is ReBLUR's (Zhdan 2021, "ReBLUR: A Hierarchical Recurrent Denoiser").
+bool are_similar(vec3 n, vec3 other_n, vec3 p, vec3 other_p, float distance_to_camera) {
+    const float kMostOff = 0.003;
+    return dot(n, other_n) >= kLeastSimilarCosine && abs(dot(n, other_p - p)) <= kMostOff * distance_to_camera;
+}
+#endif

@@ -1,0 +1,82 @@
+#include "passes/reuse/reuse.h"
+
+#include <utility>
+
+#include "shared/scene.h"
+
+namespace parhelion::passes {
+
+namespace {
+
+struct TemporalPush {
+    uint64_t view, reservoirs, history;
+    shared::ReuseFrame frame;
+};
+struct SpatialPush {
+    uint64_t view, reservoirs, history;
+    shared::ReuseFrame frame;
+};
+struct LightPush {
+    uint64_t view, control, reservoirs, sums, pending, shadow_rays, shadow_list, block;
+    shared::ReuseFrame frame;
+};
+
+const char* variant(const ReusePass& pass) { return (pass.scene.features() & shared::kSceneLayers) != 0 ? "+LAYERS" : ""; }
+
+}  // namespace
+
+ReuseState make_reuse_state(const gpu::DevicePtr& device, gpu::Extent extent, uint32_t sets) {
+    const uint64_t bytes = uint64_t{sets} * extent.width * extent.height * sizeof(shared::PackedReservoir);
+    const auto image = [&](const char* name, gpu::Format format) { return gpu::Image(device, name, {.format = format, .extent = extent}); };
+    return {.reservoirs = gpu::Buffer(device, "reuse/reservoirs", bytes),
+            .history = gpu::Buffer(device, "reuse/history", bytes),
+            .identity_before = image("reuse/identity_before", gpu::Format::Rgba32Uint),
+            .summary_before = image("reuse/summary_before", gpu::Format::Rgba32Uint),
+            .depth_before = image("reuse/depth_before", gpu::Format::R32Float)};
+}
+
+void keep_gbuffer(ReuseState& state, GBuffer& gbuffer) {
+    std::swap(state.identity_before, gbuffer.identity);
+    std::swap(state.summary_before, gbuffer.summary);
+    std::swap(state.depth_before, gbuffer.depth);
+}
+
+void reuse_before(const ReusePass& pass) {
+    const ReuseState& state = pass.state;
+    Pass kernel = pass.exact ? pass.frame.trace("reuse/temporal_seen", pass.way, variant(pass)) : pass.frame.compute("reuse/temporal", variant(pass));
+    kernel.scene(pass.scene.binding()).read("view", pass.film.view).read("motion", pass.gbuffer.motion).read_write("reservoirs", state.reservoirs).read("history", state.history);
+    if (pass.exact) kernel.read("identity", pass.gbuffer.identity).read("identity_before", state.identity_before);
+    else
+        kernel.read("summary", pass.gbuffer.summary).read("depth", pass.gbuffer.depth).read("summary_before", state.summary_before).read("depth_before", state.depth_before);
+    kernel.push(TemporalPush{.frame = pass.settings}).over(pass.gbuffer.identity.extent());
+}
+
+void reuse_around(const ReusePass& pass) {
+    Pass kernel = pass.frame.trace(pass.exact ? "reuse/spatial_seen" : "reuse/spatial", pass.way, variant(pass));
+    kernel.scene(pass.scene.binding())
+        .read("view", pass.film.view)
+        .read("summary", pass.gbuffer.summary)
+        .read("depth", pass.gbuffer.depth)
+        .read("reservoirs", pass.state.reservoirs)
+        .read_write("history", pass.state.history);
+    if (pass.exact) kernel.read("identity", pass.gbuffer.identity);
+    kernel.push(SpatialPush{.frame = pass.settings}).over(pass.gbuffer.identity.extent());
+}
+
+void light_pixels(const ReusePass& pass, const LightPaths& paths) {
+    Pass kernel = pass.frame.compute("reuse/light", variant(pass));
+    kernel.scene(pass.scene.binding())
+        .read("view", pass.film.view)
+        .read("identity", pass.gbuffer.identity)
+        .read_write("control", paths.machine.control)
+        .read("reservoirs", pass.state.history)
+        .read_write("sums", paths.sums)
+        .read_write("pending", paths.pending)
+        .write("shadow_rays", paths.machine.shadow_rays)
+        .write("shadow_list", paths.machine.shadow_list)
+        .read_write("block", pass.film.block)
+        .push(LightPush{.frame = pass.settings});
+    over_slots(kernel, paths.machine.shape.slots);
+}
+
+}  // namespace parhelion::passes

@@ -1,0 +1,34 @@
+#pragma once
+// Reuse of samples between pixels and frames: passes over a view's reservoirs (shared/reservoir.h), after its paths have offered theirs.
+#include "passes/realtime/realtime.h"
+#include "shared/reservoir.h"
+
+namespace parhelion::passes {
+
+// A set's pixels follow those of the set before it.
+struct ReuseState {
+    gpu::Buffer reservoirs;  // PackedReservoir[sets * pixels]: this frame's
+    gpu::Buffer history;     // the same, after spatial reuse: what lights the pixels, and what the next frame starts from
+    gpu::Image identity_before, summary_before, depth_before;  // GBuffer's of the last frame
+};
+ReuseState make_reuse_state(const gpu::DevicePtr& device, gpu::Extent extent, uint32_t sets);
+// A new frame: what the G-buffer holds becomes the last frame's.
+void keep_gbuffer(ReuseState& state, GBuffer& gbuffer);
+
+struct ReusePass {
+    Frame& frame;
+    const SceneGpu& scene;
+    gpu::TraceWay way;
+    const Film& film;
+    const GBuffer& gbuffer;
+    const ReuseState& state;
+    bool exact;  // samples are weighed by what they bring, and by two rays each time; else by about that
+    shared::ReuseFrame settings;
+};
+
+void reuse_before(const ReusePass& pass);  // temporal
+void reuse_around(const ReusePass& pass);  // spatial
+// Shadow rays of a band's pixels and what they bring, for connect_paths and gather_paths of a LightPass that adds.
+void light_pixels(const ReusePass& pass, const LightPaths& paths);
+
+}  // namespace parhelion::passes
