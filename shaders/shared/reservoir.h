@@ -65,7 +65,7 @@ struct ReuseFrame {
     uint most_confidence;   // of what the last frame knew
     uint neighbours;        // pixels around that are asked
     float radius_px;        // how far off
-    uint permutation;       // how this frame's pixels are exchanged with near ones of the last
+    uint permutation;       // 1: near pixels of the last frame are exchanged
     uint reset;             // 1: the last frame has nothing to do with this one
     float exposure;
 };

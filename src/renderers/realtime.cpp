@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "lib/hash.glsl"
 #include "renderers/slice.h"
 #include "shared/scene.h"
 
@@ -16,9 +15,6 @@ constexpr uint32_t kPassings = 8, kPassingsWithoutCache = 32;  // panes, and bou
 constexpr uint32_t kMostScatterings = 256;  // of paths without a bound: roulette lets less than one in 100,000 live so long
 
 uint32_t reservoir_sets(const RealtimeOptions& options) { return options.reuse_options.sets == ReservoirSets::Split ? 2 : 1; }
-
-// Which pixels of the last frame are exchanged; another number each frame.
-uint32_t permutation(const ReuseOptions& options, uint32_t frame_index) { return options.permutation ? shared::pcg_hash(frame_index) & 15u : ~0u; }
 
 // Layers that show what the world cache knows at what pixels see.
 bool shows_cache(const View& view) {
@@ -160,7 +156,7 @@ void Realtime::share_light(Frame& frame, const SceneGpu& scene, gpu::TraceWay wa
                                          .most_confidence = options.confidence,
                                          .neighbours = options.neighbours,
                                          .radius_px = options.radius,
-                                         .permutation = permutation(options, frame_index_),
+                                         .permutation = options.permutation ? 1u : 0u,
                                          .reset = is_cut(view) || options.confidence == 0,
                                          .exposure = options_.exposure}};
     for (reuse.settings.set = 0; reuse.settings.set < reservoir_sets(options_); ++reuse.settings.set) {

@@ -44,10 +44,9 @@ layout(push_constant, scalar) uniform Push {
 const float kStillWidth = 1.25;   // times the kernel's deviation, where the picture stands still: that of a pixel's box
 const float kMovingShare = 0.25;  // of `frames`, where the picture moves: every frame's resampling blurs a little
 const float kMoves = 0.1;         // of moves(): then rays that miss what was there do not miss it by chance
-const float kWirePixels = 3.0;    // of the frame: what is as wide to one side is no wire, and is not missed
+const float kWirePixels = 3.0;    // of the frame, to each side: what has been there alone is no wire
 const float kMissesStill = 6.0;   // pairs of frames in a row that may miss a detail before it is gone, where it stands still
-const float kSeenShare = 0.03;    // weight of a rendered pixel by which its surface is one of those that the picture's is made of
-const float kLeftShare = 0.5;     // what is left of a history whose second surface has left
+const float kLeftShare = 0.5;     // what a history is worth whose second surface may have left
 const float kAlike = 0.6, kUnlike = 0.9;  // difference of two neighbourhoods' means over their deviations: only details differ; more than those
 const float kSameShare = 0.004, kSameMeanShare = 0.02;  // of the mean root that a history, and its neighbourhood's mean, may lie off where no colour deviates
 const float kSpatial = 0.05, kSure = 0.3;  // what the frame's pixels around are worth for a pixel without history; with one of so many frames nothing
@@ -97,7 +96,7 @@ Frame look(vec2 at_px, vec2 ratio) {
         add(f.here, i, surface);
         if (is_fresh(state)) f.fresh += 1.0;
         else add(f.known, i, surface);
-        if (wide > kSeenShare || f.surfaces.x == kNoSurface) note(f.surfaces, most, surface, wide);
+        note(f.surfaces, most, surface, wide);
         if (depth < nearest) {
             nearest = depth;
             f.nearest = at;
@@ -143,30 +142,34 @@ const Past kNoPast = Past(vec3(0.0), 0.0, 0.0, uvec2(kNoSurface));
 // All that a pixel of the history is made of is around.
 bool is_whole(Frame f, uvec2 surfaces) { return has(f.here, surfaces.x) && (surfaces.y == kNoSurface || has(f.here, surfaces.y)); }
 
-// How far a pixel of the history is of surfaces that are around and were there in the last frame. What is not around has left, where something
-// moves or has moved; where nothing does, few rays may have missed it.
-float fits(Frame f, uvec2 surfaces, bool moved) {
-    if (!has(f.known, surfaces.x) && (surfaces.y == kNoSurface || !has(f.known, surfaces.y))) return 0.0;
-    if (!moved) return 1.0;
-    return !has(f.here, surfaces.x) ? 0.0 : is_whole(f, surfaces) ? 1.0 : kLeftShare;
-}
-
 uvec2 surfaces_before(vec2 at_px, vec2 size) { return unpack_surfaces(imageLoad(shown_before, clamp(ivec2(floor(at_px)), ivec2(0), ivec2(size) - 1)).rg); }
 
-// A surface that is not around any more was more than a wire: some pixels on, the history shows nothing else.
-bool has_left(Frame f, uvec2 surfaces, vec2 at_px, vec2 size, vec2 ratio) {
+// Whether what is not around of a history's surfaces has left, and was not just missed by rays: some pixels on the history shows it alone, and the
+// frame something else, or what moves otherwise.
+bool has_left(Frame f, uvec2 surfaces, vec2 now_px, vec2 moved_px, vec2 size, vec2 ratio) {
     const uvec2 alone = uvec2(has(f.here, surfaces.x) ? surfaces.y : surfaces.x, kNoSurface);
-    for (int i = 0; i < 4; ++i)
-        if (surfaces_before(at_px + kWirePixels * ratio * vec2[](vec2(-1, 0), vec2(1, 0), vec2(0, -1), vec2(0, 1))[i], size) == alone) return true;
+    for (int i = 0; i < 9; ++i) {
+        const vec2 there_px = now_px + kWirePixels * ratio * (vec2(i % 3, i / 3) - 1.0);
+        const ivec2 at = ivec2(floor(there_px / ratio));
+        if (!is_rendered(at) || surfaces_before(there_px + moved_px, size) != alone) continue;
+        if (short_number(state_of(at) >> 16) != alone.x || moves(imageLoad(motion, at).xy * ratio - moved_px) > kMoves) return true;
+    }
     return false;
 }
 
+// How far a pixel of the history is of surfaces that are around and were there in the last frame. Where something moves what is not is hardly missed.
+float fits(Frame f, uvec2 surfaces, bool moved, bool left) {
+    if (!has(f.known, surfaces.x) && (surfaces.y == kNoSurface || !has(f.known, surfaces.y))) return 0.0;
+    if (is_whole(f, surfaces)) return 1.0;
+    return left ? 0.0 : !moved ? 1.0 : has(f.here, surfaces.x) ? kLeftShare : 0.0;
+}
+
 // The history at a place, of those of its four pixels that fit; returns how much of it does.
-float read_fitting(Frame f, vec2 at_px, vec2 size, bool moved, out vec3 color) {
+float read_fitting(Frame f, vec2 at_px, vec2 size, bool moved, bool left, out vec3 color) {
     const ivec2 first = ivec2(floor(at_px - 0.5));
     const vec2 t = at_px - 0.5 - vec2(first);
     vec4 weights = vec4((1.0 - t.x) * (1.0 - t.y), t.x * (1.0 - t.y), (1.0 - t.x) * t.y, t.x * t.y);
-    for (int i = 0; i < 4; ++i) weights[i] *= weights[i] < 0.02 ? 0.0 : fits(f, surfaces_before(vec2(first) + vec2(i & 1, i >> 1), size), moved);
+    for (int i = 0; i < 4; ++i) weights[i] *= weights[i] < 0.02 ? 0.0 : fits(f, surfaces_before(vec2(first) + vec2(i & 1, i >> 1), size), moved, left);
     const float fitting = dot(weights, vec4(1.0));
     if (fitting > 0.9) {
         color = read_history(at_px, size);
@@ -179,13 +182,14 @@ float read_fitting(Frame f, vec2 at_px, vec2 size, bool moved, out vec3 color) {
     return fitting;
 }
 
-Past recall(Frame f, vec2 before_px, vec2 moved_px, vec2 size, vec2 ratio, uint random_bit) {
+Past recall(Frame f, vec2 now_px, vec2 moved_px, vec2 size, vec2 ratio, uint random_bit) {
+    const vec2 before_px = now_px + moved_px;
     const Worth kept = unpack_worth(texelFetch(history, ivec2(before_px), 0).a, push.frames);
     const float moving = moves(moved_px);
     Past past = kNoPast;
     past.surfaces = surfaces_before(before_px, size);
-    const bool moved = moving > kMoves || kept.moved || (!is_whole(f, past.surfaces) && has_left(f, past.surfaces, before_px, size, ratio));
-    const float fitting = read_fitting(f, before_px, size, moved, past.color);
+    const bool moved = moving > kMoves || kept.moved, left = moving <= kMoves && !is_whole(f, past.surfaces) && has_left(f, past.surfaces, now_px, moved_px, size, ratio);
+    const float fitting = read_fitting(f, before_px, size, moved, left, past.color);
     if (fitting <= 0.0) return kNoPast;
     past.frames = min(kept.frames, push.frames * mix(1.0, kMovingShare, moving)) * fitting;
     // The middle of the box is the mean light's: that of roots lies below it wherever colours differ, and would darken what is clipped. What
@@ -195,7 +199,7 @@ Past recall(Frame f, vec2 before_px, vec2 moved_px, vec2 size, vec2 ratio, uint 
     const float most = max_component(share);
     if (most <= 1.0) return past;
     past.misses = min(kept.misses + float(random_bit), kMostMisses);
-    const bool may_be_detail = past.misses <= kMissesStill * (1.0 - moving) && !moved;
+    const bool may_be_detail = past.misses <= kMissesStill * (1.0 - moving) && !moved && !left;
     if (may_be_detail && !is_whole(f, past.surfaces)) return past;  // a wire that this frame's rays miss
     const float unlike = may_be_detail ? difference(f.roots, look_back(past.color, before_px, size, ratio), kSameMeanShare) : kUnlike;
     const float stays = mix(1.0, 1.0 / most, smoothstep(kAlike, kUnlike, unlike));
@@ -233,7 +237,7 @@ void main() {
         Past past = kNoPast;
         const bool is_new = is_fresh(state_of(f.nearest)) && 2.0 * f.fresh > f.roots.count;  // not so a wire that some frames miss
         if (push.has_history != 0u && !is_new && all(greaterThan(before_px, vec2(0.0))) && all(lessThan(before_px, size)))
-            past = recall(f, before_px, moved_px, size, ratio, random.w >> 31);
+            past = recall(f, vec2(id) + 0.5, moved_px, size, ratio, random.w >> 31);
         const float spatial = kSpatial * max(1.0 - past.frames / kSure, 0.0);
         color = (past.color * past.frames + f.color + f.around * spatial) / max(past.frames + f.weight + spatial, 1e-6);
         worth = Worth(min(past.frames + f.weight + spatial, push.frames), past.misses, moves(moved_px) > kMoves);

@@ -22,10 +22,11 @@ bool find_before(ViewData view, uvec2 id, vec2 moved, out ivec2 before) {
     before = ivec2(0);
     if (push.frame.reset != 0u || any(isinf(moved))) return false;
     before = ivec2(floor(vec2(id) + 0.5 + moved + (view.jitter - view.jitter_before)));
-    const ivec2 size = ivec2(view.width, view.height), offset = ivec2(push.frame.permutation & 3u, push.frame.permutation >> 2 & 3u);
+    const uint shift = pcg_hash(push.frame.frame_index);
+    const ivec2 size = ivec2(view.width, view.height), offset = ivec2(uvec2(shift, shift >> 2) & 3u);
     if (any(lessThan(before, ivec2(0))) || any(greaterThanEqual(before, size))) return false;
     const ivec2 exchanged = ((before + offset) ^ 3) - offset;
-    if (push.frame.permutation != 0xFFFFFFFFu && all(greaterThanEqual(exchanged, ivec2(0))) && all(lessThan(exchanged, size))) before = exchanged;
+    if (push.frame.permutation != 0u && all(greaterThanEqual(exchanged, ivec2(0))) && all(lessThan(exchanged, size))) before = exchanged;
     return true;
 }
 

@@ -66,64 +66,73 @@ layout(set = 1, binding = 0, scalar) buffer AllStructs {
     DeformJob deform_job[2];
 } all_structs;
 
-// Copying struct by struct: the block has its own layout, a local variable none.
+// Struct by struct, in the order of fill_entry(): the block has its own layout, a local variable none.
+#define WRITE(Struct, member)         \
+    {                                 \
+        Struct one;                   \
+        fill(n, one);                 \
+        all_structs.member[i] = one;  \
+    }
+
 void main() {
     uint n = 1u;
-    LayoutStructs value;
     for (uint i = 0u; i < 2u; ++i) {
-        fill_entry(n, value, i);
-        all_structs.scene_header[i] = value.scene_header[i];
-        all_structs.geometry[i] = value.geometry[i];
-        all_structs.bvh_addresses[i] = value.bvh_addresses[i];
-        all_structs.affine[i] = value.affine[i];
-        all_structs.instance[i] = value.instance[i];
-        all_structs.vertex_attributes[i] = value.vertex_attributes[i];
-        all_structs.texture_entry[i] = value.texture_entry[i];
-        all_structs.texture_ref[i] = value.texture_ref[i];
-        all_structs.material[i] = value.material[i];
-        all_structs.emitter[i] = value.emitter[i];
-        all_structs.alias_entry[i] = value.alias_entry[i];
-        all_structs.environment[i] = value.environment[i];
-        all_structs.hit[i] = value.hit[i];
-        all_structs.camera[i] = value.camera[i];
-        all_structs.camera_motion[i] = value.camera_motion[i];
-        all_structs.view_data[i] = value.view_data[i];
-        all_structs.slice[i] = value.slice[i];
-        all_structs.dumped_ray[i] = value.dumped_ray[i];
-        all_structs.drawn_geometry[i] = value.drawn_geometry[i];
-        all_structs.raster_counts[i] = value.raster_counts[i];
-        all_structs.bvh_node[i] = value.bvh_node[i];
-        all_structs.bvh_node_binary[i] = value.bvh_node_binary[i];
-        all_structs.bvh_node_compact[i] = value.bvh_node_compact[i];
-        all_structs.bvh_triangle[i] = value.bvh_triangle[i];
-        all_structs.bvh_top_item[i] = value.bvh_top_item[i];
-        all_structs.traversal_ray[i] = value.traversal_ray[i];
-        all_structs.traversal_hit[i] = value.traversal_hit[i];
-        all_structs.wavefront_ray[i] = value.wavefront_ray[i];
-        all_structs.wavefront_hit[i] = value.wavefront_hit[i];
-        all_structs.wavefront_path[i] = value.wavefront_path[i];
-        all_structs.wavefront_extra[i] = value.wavefront_extra[i];
-        all_structs.wavefront_slot[i] = value.wavefront_slot[i];
-        all_structs.wavefront_vertex[i] = value.wavefront_vertex[i];
-        all_structs.wavefront_shadow_ray[i] = value.wavefront_shadow_ray[i];
-        all_structs.wavefront_split[i] = value.wavefront_split[i];
-        all_structs.wavefront_class_sums[i] = value.wavefront_class_sums[i];
-        all_structs.wavefront_size[i] = value.wavefront_size[i];
-        all_structs.wavefront_first[i] = value.wavefront_first[i];
-        all_structs.tile_sample[i] = value.tile_sample[i];
-        all_structs.packed_light[i] = value.packed_light[i];
-        all_structs.realtime_frame[i] = value.realtime_frame[i];
-        all_structs.light_path[i] = value.light_path[i];
-        all_structs.light_path_inside[i] = value.light_path_inside[i];
-        all_structs.light_pending[i] = value.light_pending[i];
-        all_structs.light_sums[i] = value.light_sums[i];
-        all_structs.cache_frame_data[i] = value.cache_frame_data[i];
-        all_structs.cache_size[i] = value.cache_size[i];
-        all_structs.cache_update[i] = value.cache_update[i];
-        all_structs.cache_path[i] = value.cache_path[i];
-        all_structs.work_chunk[i] = value.work_chunk[i];
-        all_structs.joint_influence[i] = value.joint_influence[i];
-        all_structs.active_target[i] = value.active_target[i];
-        all_structs.deform_job[i] = value.deform_job[i];
+        WRITE(SceneHeader, scene_header)
+        WRITE(Geometry, geometry)
+        WRITE(BvhAddresses, bvh_addresses)
+        WRITE(Affine, affine)
+        WRITE(Instance, instance)
+        WRITE(VertexAttributes, vertex_attributes)
+        WRITE(TextureEntry, texture_entry)
+        WRITE(TextureRef, texture_ref)
+        WRITE(Material, material)
+        WRITE(Emitter, emitter)
+        WRITE(AliasEntry, alias_entry)
+        WRITE(Environment, environment)
+        WRITE(Hit, hit)
+        WRITE(Camera, camera)
+        WRITE(CameraMotion, camera_motion)
+        WRITE(ViewData, view_data)
+        WRITE(Slice, slice)
+        WRITE(DumpedRay, dumped_ray)
+        WRITE(DrawnGeometry, drawn_geometry)
+        WRITE(RasterCounts, raster_counts)
+        WRITE(BvhNode, bvh_node)
+        WRITE(BvhNodeBinary, bvh_node_binary)
+        WRITE(BvhNodeCompact, bvh_node_compact)
+        WRITE(BvhTriangle, bvh_triangle)
+        WRITE(BvhTopItem, bvh_top_item)
+        WRITE(TraversalRay, traversal_ray)
+        WRITE(TraversalHit, traversal_hit)
+        WRITE(WavefrontRay, wavefront_ray)
+        WRITE(WavefrontHit, wavefront_hit)
+        WRITE(WavefrontPath, wavefront_path)
+        WRITE(WavefrontExtra, wavefront_extra)
+        WRITE(WavefrontSlot, wavefront_slot)
+        WRITE(WavefrontVertex, wavefront_vertex)
+        WRITE(WavefrontShadowRay, wavefront_shadow_ray)
+        WRITE(WavefrontSplit, wavefront_split)
+        WRITE(WavefrontClassSums, wavefront_class_sums)
+        WRITE(WavefrontSize, wavefront_size)
+        WRITE(WavefrontFirst, wavefront_first)
+        WRITE(TileSample, tile_sample)
+        WRITE(PackedLight, packed_light)
+        WRITE(RealtimeFrame, realtime_frame)
+        WRITE(LightPath, light_path)
+        WRITE(LightPathInside, light_path_inside)
+        WRITE(LightPending, light_pending)
+        WRITE(LightSums, light_sums)
+        WRITE(PackedSample, packed_sample)
+        WRITE(PackedReservoir, packed_reservoir)
+        WRITE(LightReuse, light_reuse)
+        WRITE(ReuseFrame, reuse_frame)
+        WRITE(CacheFrameData, cache_frame_data)
+        WRITE(CacheSize, cache_size)
+        WRITE(CacheUpdate, cache_update)
+        WRITE(CachePath, cache_path)
+        WRITE(WorkChunk, work_chunk)
+        WRITE(JointInfluence, joint_influence)
+        WRITE(ActiveTarget, active_target)
+        WRITE(DeformJob, deform_job)
     }
 }
