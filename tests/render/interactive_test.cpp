@@ -5,7 +5,7 @@
 #include "image/decode.h"
 #include "image/film.h"
 #include "image/tonemap.h"
-#include "support/environment.h"
+#include "support/environment_variable.h"
 #include "support/gpu_fixture.h"
 #include "support/process.h"
 #include "support/render_fixture.h"
@@ -71,7 +71,7 @@ TEST_F(InteractiveScene, every_renderer_comes_to_rest_with_a_picture_and_the_sam
 
 // With a stand-in for the library (tests/stubs/oidn.cpp): half the red light, prefiltered guides as green and blue.
 TEST_F(InteractiveScene, a_picture_comes_to_rest_denoised_and_a_moved_camera_never_shows_an_older_one) {
-    const Environment library("PARHELION_OIDN", PARHELION_OIDN_STUB);
+    const EnvironmentVariable library("PARHELION_OIDN", PARHELION_OIDN_STUB);
     RenderOptions options = cornell(5);
     options.output.exr_float = true;
     TemporaryFolder folder;
@@ -115,7 +115,7 @@ TEST_F(InteractiveScene, a_picture_comes_to_rest_denoised_and_a_moved_camera_nev
 
 // The camera turns away from all that there is while a picture is being denoised: all pixels are alike from then on.
 TEST_F(InteractiveScene, what_is_being_denoised_when_the_camera_moves_is_never_shown) {
-    const Environment library("PARHELION_OIDN", PARHELION_OIDN_STUB), slow("STUB_SECONDS", "0.03");
+    const EnvironmentVariable library("PARHELION_OIDN", PARHELION_OIDN_STUB), slow("STUB_SECONDS", "0.03");
     RenderOptions options = cornell(4);
     options.denoise = DenoiseKind::Oidn;
     Interactive session(options, device());
@@ -141,7 +141,7 @@ TEST_F(InteractiveScene, what_is_being_denoised_when_the_camera_moves_is_never_s
 }
 
 TEST_F(InteractiveScene, where_denoising_fails_the_noisy_picture_stays_and_a_line_says_why) {
-    const Environment library("PARHELION_OIDN", PARHELION_OIDN_STUB), fails("STUB_FAILS", "memory");
+    const EnvironmentVariable library("PARHELION_OIDN", PARHELION_OIDN_STUB), fails("STUB_FAILS", "memory");
     RenderOptions options = cornell(2);
     Interactive plain(options, device());
     options.denoise = DenoiseKind::Oidn;

@@ -11,7 +11,7 @@
 #include "base/error.h"
 #include "session/async_denoiser.h"
 #include "session/pictures.h"
-#include "support/environment.h"
+#include "support/environment_variable.h"
 #include "support/process.h"
 
 namespace parhelion::testing::denoise_test {
@@ -48,7 +48,7 @@ void expect_in(const std::string& line, std::initializer_list<const char*> parts
 }  // namespace
 
 TEST(Denoiser, colours_are_filtered_with_guides_that_were_filtered_before) {
-    const Environment library("PARHELION_OIDN", PARHELION_OIDN_STUB);
+    const EnvironmentVariable library("PARHELION_OIDN", PARHELION_OIDN_STUB);
     const image::Denoiser denoiser;
     EXPECT_EQ(denoiser.version(), "2.34.5");
     EXPECT_EQ(denoiser.library(), PARHELION_OIDN_STUB);
@@ -66,7 +66,7 @@ TEST(Denoiser, colours_are_filtered_with_guides_that_were_filtered_before) {
 }
 
 TEST(Denoiser, a_picture_keeps_the_layers_that_were_asked_for_and_its_noisy_colours_if_they_were) {
-    const Environment library("PARHELION_OIDN", PARHELION_OIDN_STUB);
+    const EnvironmentVariable library("PARHELION_OIDN", PARHELION_OIDN_STUB);
     const image::Denoiser denoiser;
     const image::ImageF before = picture();
     image::ImageF plain = before, rich = before;
@@ -89,28 +89,28 @@ TEST(Denoiser, a_library_that_is_not_there_or_is_another_one_is_one_line_that_sa
     TemporaryFolder folder;
     const std::string missing = folder.file("libOpenImageDenoise.so.2");
     {
-        const Environment library("PARHELION_OIDN", missing.c_str());
+        const EnvironmentVariable library("PARHELION_OIDN", missing.c_str());
         expect_in(failure(), {missing.c_str(), "cannot be loaded", "PARHELION_OIDN names the file"});
     }
     {
-        const Environment library("PARHELION_OIDN", PARHELION_OIDN_STUB_1);
+        const EnvironmentVariable library("PARHELION_OIDN", PARHELION_OIDN_STUB_1);
         expect_in(failure(), {PARHELION_OIDN_STUB_1, "older than version 2", "install Open Image Denoise 2"});
     }
-    const Environment library("PARHELION_OIDN", "libm.so.6");
+    const EnvironmentVariable library("PARHELION_OIDN", "libm.so.6");
     expect_in(failure(), {"libm.so.6", "not Open Image Denoise", "PARHELION_OIDN=/path/to"});
 }
 
 TEST(Denoiser, what_fails_in_the_library_is_one_line_and_the_picture_stays_as_it_was) {
-    const Environment library("PARHELION_OIDN", PARHELION_OIDN_STUB);
+    const EnvironmentVariable library("PARHELION_OIDN", PARHELION_OIDN_STUB);
     {
-        const Environment fails("STUB_FAILS", "memory");
+        const EnvironmentVariable fails("STUB_FAILS", "memory");
         expect_in(failure(), {"--denoise oidn", "not enough memory to denoise 3x2 pixels", "smaller --size"});
     }
     {
-        const Environment fails("STUB_FAILS", "filter");
+        const EnvironmentVariable fails("STUB_FAILS", "filter");
         expect_in(failure(), {"--denoise oidn", "failed on 3x2 pixels", "something\\x0aunexpected"});
     }
-    const Environment fails("STUB_FAILS", "device");
+    const EnvironmentVariable fails("STUB_FAILS", "device");
     expect_in(failure(), {PARHELION_OIDN_STUB, "cannot use this CPU", "this machine is not good enough"});
 }
 
@@ -133,7 +133,7 @@ std::optional<image::ImageF> wait_for(AsyncDenoiser& denoiser) {
 }
 
 TEST(AsyncDenoiser, a_picture_is_handed_out_once_and_never_after_its_generation) {
-    const Environment library("PARHELION_OIDN", PARHELION_OIDN_STUB);
+    const EnvironmentVariable library("PARHELION_OIDN", PARHELION_OIDN_STUB);
     AsyncDenoiser denoiser;
     EXPECT_TRUE(denoiser.is_idle());
     EXPECT_FALSE(denoiser.take());
@@ -153,7 +153,7 @@ TEST(AsyncDenoiser, a_picture_is_handed_out_once_and_never_after_its_generation)
 }
 
 TEST(AsyncDenoiser, a_failure_is_thrown_where_the_picture_would_be_taken_unless_it_is_discarded) {
-    const Environment library("PARHELION_OIDN", PARHELION_OIDN_STUB), fails("STUB_FAILS", "memory");
+    const EnvironmentVariable library("PARHELION_OIDN", PARHELION_OIDN_STUB), fails("STUB_FAILS", "memory");
     AsyncDenoiser denoiser;
     denoiser.start(film(4));
     EXPECT_THROW(wait_for(denoiser), Error);

@@ -35,16 +35,21 @@ float difference(Neighbourhood a, Neighbourhood b, float same_share) {
     return length(mean_a - mean_b) / (length(deviation_from(a, mean_a)) + length(deviation_from(b, mean_b)) + same_share * max(mean_a.x, 1e-3));
 }
 
-// Frames that a history is worth, in 127 steps of its root so that small ones stay apart, up or down by 16 random bits; and above them its misses.
+// Frames that a history is worth, for how many pairs of frames in a row (about) none has shown it, and whether it was of something that moved.
+struct Worth {
+    float frames, misses;
+    bool moved;
+};
+// The frames in 127 steps of their root so that small ones stay apart, up or down by 16 random bits; above them the misses and the motion.
 // Whole numbers up to 2047 are exact in half floats.
-const float kMostMisses = 15.0;
-float pack_worth(vec2 frames_and_misses, float most_frames, uint random) {
-    const float step = sqrt(clamp(frames_and_misses.x / max(most_frames, 1e-6), 0.0, 1.0)) * 127.0;
-    return min(floor(step + float(random & 0xFFFFu) / 65536.0), 127.0) + 128.0 * frames_and_misses.y;
+const float kMostMisses = 7.0;
+float pack_worth(Worth w, float most_frames, uint random) {
+    const float step = sqrt(clamp(w.frames / max(most_frames, 1e-6), 0.0, 1.0)) * 127.0;
+    return min(floor(step + float(random & 0xFFFFu) / 65536.0), 127.0) + 128.0 * w.misses + (w.moved ? 1024.0 : 0.0);
 }
-vec2 unpack_worth(float packed, float most_frames) {
+Worth unpack_worth(float packed, float most_frames) {
     const uint bits = uint(packed);
     const float root = float(bits & 127u) / 127.0;
-    return vec2(root * root * most_frames, float(bits >> 7));
+    return Worth(root * root * most_frames, float(bits >> 7 & 7u), bits >> 10 != 0u);
 }
 #endif

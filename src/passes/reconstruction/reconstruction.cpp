@@ -49,7 +49,8 @@ ReconstructionHistory make_reconstruction_history(const gpu::DevicePtr& device, 
             .state = buffer("reconstruction/state", shared::kStatePlanes * sizeof(uint32_t) * pixels),
             .guide = buffer("reconstruction/guide", 8 * pixels),
             .tiles = buffer("reconstruction/tiles", uint64_t{tiles.width} * tiles.height * sizeof(shared::ChangeTile)),
-            .picture = gpu::Image(device, "reconstruction/picture", {.format = gpu::Format::Rgba16Float, .extent = picture})};
+            .picture = gpu::Image(device, "reconstruction/picture", {.format = gpu::Format::Rgba16Float, .extent = picture}),
+            .shown = gpu::Image(device, "reconstruction/shown", {.format = gpu::Format::Rg8Unorm, .extent = picture})};
 }
 
 gpu::Buffer judge_changes(const ReconstructionPass& pass) {
@@ -132,7 +133,9 @@ void antialias(const ReconstructionPass& pass, const gpu::Buffer& colors, const 
         .read("state", pass.now.state)
         .read("colors", colors)
         .sample("history", pass.before.picture, sampler)
+        .read("shown_before", pass.before.shown)
         .write("picture", pass.now.picture)
+        .write("shown", pass.now.shown)
         .read_write("block", film.block)
         .push(AntialiasPush{.rendered = {rendered.width, rendered.height},
                             .jitter = in.jitter_px,

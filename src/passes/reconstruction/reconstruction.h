@@ -41,17 +41,18 @@ struct ReconstructionOptions {
     bool follow = true;          // what is seen through exact mirrors and panes stands in their place
     bool antialias = true;       // jitter and temporal anti-aliasing
     uint32_t picture_history = 16;
-    float kernel = 0.25f;        // deviation of the reconstruction kernel: pixels of the frame in motion, of the picture where it stands still
+    float kernel = 0.25f;        // deviation of the reconstruction kernel: pixels of the frame in motion, 1.25 times those of the picture where it stands still
     float deviations = 1.35f;    // of the colours around that the picture's history may lie off; twice as many where it stands still
 };
 
-// What a frame leaves to the next: 40 bytes a rendered pixel, twice, and 4; 8 bytes a pixel of the picture, twice.
+// What a frame leaves to the next: 40 bytes a rendered pixel, twice, and 4; 10 bytes a pixel of the picture, twice.
 struct ReconstructionHistory {
     gpu::Buffer diffuse, specular;  // half4[pixels]: light, and the deviation of a frame's luminance
     gpu::Buffer state;              // uint[kStatePlanes][pixels]
     gpu::Buffer guide;              // uvec2[pixels] (reconstruction/surfaces.glsl)
     gpu::Buffer tiles;              // ChangeTile[]
     gpu::Image picture;             // RGBA16F: pre-exposed, and the frames that it is worth
+    gpu::Image shown;               // RG8: the surfaces that it is made of (reconstruction/shown.glsl)
 };
 ReconstructionHistory make_reconstruction_history(const gpu::DevicePtr& device, gpu::Extent rendered, gpu::Extent picture);
 
