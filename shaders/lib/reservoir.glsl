@@ -1,8 +1,9 @@
 // Reservoirs unpacked, and how two become one.
 #ifndef PARHELION_LIB_RESERVOIR_GLSL
 #define PARHELION_LIB_RESERVOIR_GLSL
+#include "lib/hash.glsl"
 #include "lib/octahedral.glsl"
-#include "lib/packed_light.glsl"
+#include "lib/rgbe8.glsl"
 #include "shared/reservoir.h"
 
 struct LightSampleRef {
@@ -36,9 +37,7 @@ PackedSample pack_sample(LightSampleRef s, uint confidence) {
     }
     p.bits = s.geometry | min(confidence, kMostConfidence) << 16 | s.kind << 24 | s.flags << 27;
     p.direction = s.kind == kSampleReconnection ? pack_direction(s.direction) : 0u;
-    const PackedLight radiance = pack_light(s.radiance);
-    p.radiance_low = radiance.low;
-    p.radiance_high = radiance.high;
+    p.radiance = pack_rgbe8(s.radiance, pcg4d(uvec4(p.place, p.number, p.direction, 0x52474238u)).xyz);  // every sample has a place of its own
     return p;
 }
 LightSampleRef unpack_sample(PackedSample p) {
@@ -50,7 +49,7 @@ LightSampleRef unpack_sample(PackedSample p) {
     s.number = p.number;
     s.place = p.place;
     s.direction = is_direction(s.kind) ? octahedral_direction(vec2(uintBitsToFloat(p.number), uintBitsToFloat(p.place))) : unpack_direction(p.direction);
-    s.radiance = unpack_light(PackedLight(p.radiance_low, p.radiance_high));
+    s.radiance = unpack_rgbe8(p.radiance);
     return s;
 }
 uint packed_confidence(PackedSample p) { return p.bits >> 16 & 0xFFu; }
@@ -62,8 +61,7 @@ uint packed_confidence(PackedSample p) { return p.bits >> 16 & 0xFFu; }
     to.place = from.place; \
     to.bits = from.bits; \
     to.direction = from.direction; \
-    to.radiance_low = from.radiance_low; \
-    to.radiance_high = from.radiance_high;
+    to.radiance = from.radiance;
 
 // Of a picture of so many pixels, whose second set follows the first one.
 uint reservoir_at(uint pixels, uint set, uint pixel) { return set * pixels + pixel; }

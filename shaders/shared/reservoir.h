@@ -24,17 +24,17 @@ SHARED_CONST uint kSampleFlagBits = 3u;
 SHARED_CONST uint kMostConfidence = 255u;
 SHARED_CONST uint kMostSampleGeometries = 65536u;  // of a mesh: points of others are not shared
 
-// A sample by reference, packed: 28 bytes.
+// A sample by reference, packed: 24 bytes.
 struct PackedSample {
     uint reference;    // instance or emitter, rows of the frame that wrote it
     uint number;       // triangle
     uint place;        // two of 16 bits: barycentrics, or a point of the unit square. Of directions: octahedral, floats in `number` and here
     uint bits;         // geometry 16, confidence 8, kind 3, flags 3
     uint direction;    // octahedral, 16 bits each: where the light at the point comes from
-    uint radiance_low, radiance_high;  // nits, as PackedLight
+    uint radiance;     // nits: 8 bits each and 8 of a common exponent
 };
 
-// 36 bytes.
+// 32 bytes.
 struct PackedReservoir {
     PackedSample point;
     float weight;  // W; while samples are offered: the sum of their weights

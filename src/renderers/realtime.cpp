@@ -1,6 +1,7 @@
 #include "renderers/realtime.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "base/error.h"
 #include "renderers/slice.h"
@@ -15,6 +16,13 @@ constexpr uint32_t kPassings = 8, kPassingsWithoutCache = 32;  // panes, and bou
 constexpr uint32_t kMostScatterings = 256;  // of paths without a bound: roulette lets less than one in 100,000 live so long
 
 uint32_t reservoir_sets(const RealtimeOptions& options) { return options.reuse_options.sets == ReservoirSets::Split ? 2 : 1; }
+
+// What the last frame counts for at most. Where few lights are the frame's own samples are as good as the last one's, and what frames repeat of each
+// other their means keep as noise.
+uint32_t confidence_for(const ReuseOptions& options, uint32_t lights, uint32_t candidates) {
+    const uint32_t wanted = static_cast<uint32_t>(std::bit_width(lights / candidates)) - (lights >= candidates ? 1 : 0);
+    return options.adapt_confidence ? std::min(options.confidence, wanted) : options.confidence;
+}
 
 // Layers that show what the world cache knows at what pixels see.
 bool shows_cache(const View& view) {
@@ -47,7 +55,7 @@ Realtime::Realtime(gpu::DevicePtr device, const View& view, const RealtimeOption
         throw Error(ErrorCode::Usage, "a camera with a lens is traced", "gbuffer.mode=raster", "use gbuffer.mode=trace");
     if (options.reuse == RealtimeReuse::Unbiased && options.cache)
         throw Error(ErrorCode::Usage, "the world cache is not unbiased", "realtime.reuse=unbiased", "add --set realtime.cache=off");
-    if (options.reuse != RealtimeReuse::None) reuse_.emplace(passes::make_reuse_state(device, gbuffer_.identity.extent(), reservoir_sets(options)));
+    if (options.reuse != RealtimeReuse::None) reuse_.emplace(passes::make_reuse_state(device, gbuffer_.identity.extent(), reservoir_sets(options), options.reuse == RealtimeReuse::Unbiased));
     if (options.cache) cache_.emplace(device, options.cache_options);
     if (options.reconstruction) reconstruction_.emplace(device, gbuffer_.identity.extent(), gpu::Extent{view.film().width, view.film().height}, *options.reconstruction);
     const uint32_t rows = (options.slots != 0 ? options.slots : passes::usual_light_paths(device->caps())) / traced(view).width / kTileRows * kTileRows;
@@ -144,6 +152,7 @@ void Realtime::light_band(passes::LightPass pass, passes::ReusePass reuse) const
 // What paths have offered goes from frame to frame and from pixel to pixel, and lights them.
 void Realtime::share_light(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const View& view) {
     const ReuseOptions& options = options_.reuse_options;
+    const uint32_t confidence = confidence_for(options, scene.stats().emitters, options_.candidates);
     passes::ReusePass reuse{.frame = frame,
                             .scene = scene,
                             .way = way,
@@ -153,11 +162,11 @@ void Realtime::share_light(Frame& frame, const SceneGpu& scene, gpu::TraceWay wa
                             .exact = options_.reuse == RealtimeReuse::Unbiased,
                             .settings = {.frame_index = frame_index_,
                                          .candidates = options_.tiles ? options_.candidates : 0,
-                                         .most_confidence = options.confidence,
+                                         .most_confidence = confidence,
                                          .neighbours = options.neighbours,
                                          .radius_px = options.radius,
                                          .permutation = options.permutation ? 1u : 0u,
-                                         .reset = is_cut(view) || options.confidence == 0}};
+                                         .reset = is_cut(view) || confidence == 0}};
     for (reuse.settings.set = 0; reuse.settings.set < reservoir_sets(options_); ++reuse.settings.set) {
         passes::reuse_before(reuse);
         passes::reuse_around(reuse);
@@ -200,7 +209,7 @@ void Realtime::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, Vi
     if (reconstruction_) view.set_jitter(reconstruction_->jitter_px(frame_index_));
     begin_slice(frame, scene, way, view, slice);
     if (rendered_) rendered_->prepare(frame, view);
-    if (reuse_) passes::keep_gbuffer(*reuse_, gbuffer_);
+    if (reuse_) passes::keep_last_frame(*reuse_, gbuffer_);
     std::optional<passes::CacheUpdate> update = begin_update(frame, scene, way, view);
     if (update) update->trace_first();
     if (draws_pixels(view)) passes::raster_identity(frame, scene, film, gbuffer_.identity, raster_, frame_index_);

@@ -22,7 +22,7 @@ protected:
 TEST_F(Reuse, pictures_do_not_depend_on_how_many_paths_are_traced_at_a_time_and_repeat) {
     Stage& stage = builtin_stage("builtin:cornell");
     const Shot shot{.way = gpu::TraceWay::Compute, .view = {.width = 24, .height = 28, .filter = PixelFilter::Point}, .sample_count = 4};
-    const RealtimeOptions options{.reuse = RealtimeReuse::Full};
+    const RealtimeOptions options{.reuse = RealtimeReuse::Full, .reuse_options = {.adapt_confidence = false}};
     const image::ImageF whole = image::resolve_film(stage.play(shot, options)), again = image::resolve_film(stage.play(shot, options));
     RealtimeOptions bands = options, without_history = options;
     bands.slots = 24 * 8;  // the last of them has four rows
@@ -51,7 +51,7 @@ TEST_F(Reuse, a_lamp_that_is_turned_up_shines_in_the_same_frame) {
     stage.scene_gpu.finish(stage.frame);
     stage.step({});  // the scene stood there before, so that what it shows has a past
     stage.scene_gpu.finish(stage.frame);
-    Realtime realtime(stage.frame.device(), view, {.reuse = RealtimeReuse::Full});
+    Realtime realtime(stage.frame.device(), view, {.reuse = RealtimeReuse::Full, .reuse_options = {.adapt_confidence = false}});
     const auto draw = [&] {
         view.clear_film();
         realtime.record(stage.frame, stage.scene_gpu, shot.way, view, true);

@@ -21,18 +21,22 @@ const char* variant(const ReusePass& pass) { return (pass.scene.features() & sha
 
 }  // namespace
 
-ReuseState make_reuse_state(const gpu::DevicePtr& device, gpu::Extent extent, uint32_t sets) {
+ReuseState make_reuse_state(const gpu::DevicePtr& device, gpu::Extent extent, uint32_t sets, bool exact) {
     const uint64_t bytes = uint64_t{sets} * extent.width * extent.height * sizeof(shared::PackedReservoir);
     const auto image = [&](const char* name, gpu::Format format) { return gpu::Image(device, name, {.format = format, .extent = extent}); };
-    return {.reservoirs = gpu::Buffer(device, "reuse/reservoirs", bytes),
-            .history = gpu::Buffer(device, "reuse/history", bytes),
-            .identity_before = image("reuse/identity_before", gpu::Format::Rgba32Uint),
-            .summary_before = image("reuse/summary_before", gpu::Format::Rgba32Uint),
-            .depth_before = image("reuse/depth_before", gpu::Format::R32Float)};
+    ReuseState state{.reservoirs = gpu::Buffer(device, "reuse/reservoirs", bytes), .kept = gpu::Buffer(device, "reuse/kept", bytes)};
+    if (exact) state.identity_before = image("reuse/identity_before", gpu::Format::Rgba32Uint);
+    else {
+        state.summary_before = image("reuse/summary_before", gpu::Format::Rgba32Uint);
+        state.depth_before = image("reuse/depth_before", gpu::Format::R32Float);
+    }
+    return state;
 }
 
-void keep_gbuffer(ReuseState& state, GBuffer& gbuffer) {
-    std::swap(state.identity_before, gbuffer.identity);
+void keep_last_frame(ReuseState& state, GBuffer& gbuffer) {
+    std::swap(state.reservoirs, state.kept);
+    if (state.identity_before) std::swap(state.identity_before, gbuffer.identity);
+    if (!state.summary_before) return;
     std::swap(state.summary_before, gbuffer.summary);
     std::swap(state.depth_before, gbuffer.depth);
 }
@@ -40,7 +44,7 @@ void keep_gbuffer(ReuseState& state, GBuffer& gbuffer) {
 void reuse_before(const ReusePass& pass) {
     const ReuseState& state = pass.state;
     Pass kernel = pass.exact ? pass.frame.trace("reuse/temporal_seen", pass.way, variant(pass)) : pass.frame.compute("reuse/temporal", variant(pass));
-    kernel.scene(pass.scene.binding()).read("view", pass.film.view).read("motion", pass.gbuffer.motion).read_write("reservoirs", state.reservoirs).read("history", state.history);
+    kernel.scene(pass.scene.binding()).read("view", pass.film.view).read("motion", pass.gbuffer.motion).read_write("reservoirs", state.reservoirs).read("history", state.kept);
     if (pass.exact) kernel.read("identity", pass.gbuffer.identity).read("identity_before", state.identity_before);
     else
         kernel.read("summary", pass.gbuffer.summary).read("depth", pass.gbuffer.depth).read("summary_before", state.summary_before).read("depth_before", state.depth_before);
@@ -54,7 +58,7 @@ void reuse_around(const ReusePass& pass) {
         .read("summary", pass.gbuffer.summary)
         .read("depth", pass.gbuffer.depth)
         .read("reservoirs", pass.state.reservoirs)
-        .read_write("history", pass.state.history);
+        .read_write("kept", pass.state.kept);
     if (pass.exact) kernel.read("identity", pass.gbuffer.identity);
     kernel.push(ReusePush{.frame = pass.settings}).over(pass.gbuffer.identity.extent());
 }
@@ -65,7 +69,7 @@ void light_pixels(const ReusePass& pass, const LightPaths& paths) {
         .read("view", pass.film.view)
         .read("identity", pass.gbuffer.identity)
         .read_write("control", paths.machine.control)
-        .read("reservoirs", pass.state.history)
+        .read("reservoirs", pass.state.kept)
         .read_write("sums", paths.sums)
         .read_write("pending", paths.pending)
         .write("shadow_rays", paths.machine.shadow_rays)

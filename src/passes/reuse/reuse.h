@@ -7,13 +7,14 @@ namespace parhelion::passes {
 
 // A set's pixels follow those of the set before it.
 struct ReuseState {
-    gpu::Buffer reservoirs;  // PackedReservoir[sets * pixels]: this frame's
-    gpu::Buffer history;     // the same, after spatial reuse: what lights the pixels, and what the next frame starts from
-    gpu::Image identity_before, summary_before, depth_before;  // GBuffer's of the last frame
+    gpu::Buffer reservoirs;  // PackedReservoir[sets * pixels]: what this frame's paths offer; after temporal reuse what the next frame starts from
+    gpu::Buffer kept;        // the same: what the last frame left; after spatial reuse what lights the pixels
+    gpu::Image identity_before;               // GBuffer's of the last frame, for exact reuse,
+    gpu::Image summary_before, depth_before;  // and for the other
 };
-ReuseState make_reuse_state(const gpu::DevicePtr& device, gpu::Extent extent, uint32_t sets);
-// A new frame: what the G-buffer holds becomes the last frame's.
-void keep_gbuffer(ReuseState& state, GBuffer& gbuffer);
+ReuseState make_reuse_state(const gpu::DevicePtr& device, gpu::Extent extent, uint32_t sets, bool exact);
+// A new frame: what reservoirs and G-buffer hold becomes the last frame's.
+void keep_last_frame(ReuseState& state, GBuffer& gbuffer);
 
 struct ReusePass {
     Frame& frame;

@@ -5,6 +5,7 @@
 #define PARHELION_REUSE_SITE_GLSL
 #include "realtime/demodulate.glsl"
 #include "reuse/reservoirs.glsl"
+#include "shared/realtime.h"
 
 struct Site {
     vec3 position_ws, normal_ws, wo_ws;

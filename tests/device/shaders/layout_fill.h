@@ -162,7 +162,7 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(LightPath) v) {
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(LightPathInside) v) { F(media) F(radiance_scale) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(LightPending) v) { F(diffuse) F(pixel) F(specular) F(kind) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(LightSums) v) { F(diffuse) F(specular) }
-SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(PackedSample) v) { F(reference) F(number) F(place) F(bits) F(direction) F(radiance_low) F(radiance_high) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(PackedSample) v) { F(reference) F(number) F(place) F(bits) F(direction) F(radiance) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(PackedReservoir) v) { F(point) F(weight) F(target) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(LightReuse) v) { F(prefix) F(share) F(direction) F(instance) F(number) F(place) F(bits) F(density) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(ReuseFrame) v) { F(frame_index) F(set) F(candidates) F(most_confidence) F(neighbours) F(radius_px) F(permutation) F(reset) }
