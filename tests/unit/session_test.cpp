@@ -172,8 +172,8 @@ TEST(SceneHash, equal_scenes_have_equal_hashes_and_any_change_shows) {
     }));
     // What a file's animation and its targets would do later.
     for (const float reach : {0.0f, 0.5f})
-        hashes.insert(edit([&](const Scene&, SceneEdit& change) {
-            Primitive triangle{.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .triangles = {{0, 1, 2}}};
+        hashes.insert(edit([&](const Scene& scene, SceneEdit& change) {
+            Primitive triangle{.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .triangles = {{0, 1, 2}}, .material = (*scene.materials().begin()).handle};
             triangle.targets.resize(1);
             triangle.targets[0].positions = {{0, 0, 0}, {0, 0, 0}, {0, 0, reach}};
             change.add(Mesh{.primitives = {triangle}});
