@@ -76,7 +76,7 @@ private:
     std::optional<Realtime> realtime_;  // where it is what draws
     std::optional<Dataset> dataset_;
     std::optional<View> reference_;  // the dataset's
-    uint64_t reference_hash_ = 0;
+    uint64_t reference_hash_ = 0, reference_sequence_hash_ = 0;
     RayCounts rays_, film_rays_;  // of all frames; of those that the film holds
     uint64_t sequence_hash_ = 0;
     std::vector<bool> kept_;  // by frame from the first of play_ on; empty: none is
@@ -162,9 +162,13 @@ void FramesJob::choose_drawn() {
 void FramesJob::begin_dataset() {
     RenderOptions reference = options_;
     reference.renderer = RendererKind::Reference;
+    reference.denoise = DenoiseKind::None;
+    reference.samples = {0, options_.reference_samples};
     reference.aovs = {"variance"};
+    reference.reconstruction_layers = false;
     const ViewDesc desc = describe_view(reference, settings_, camera_);
     reference_hash_ = hash_render(loaded_.scene, desc, settings_);
+    reference_sequence_hash_ = hash_sequence(reference, loaded_.scene, reference_hash_, {});
     reference_.emplace(device_, desc);
     dataset_.emplace(options_.dataset, describe_dataset(options_, report_, reference_hash_));
     if (dataset_->size() != 0) log(LogLevel::Info, "{} has {} frames, which stay", escape_name(options_.dataset.string()), dataset_->size());
@@ -265,6 +269,7 @@ bool FramesJob::add_to_dataset(uint64_t frame) {
         Dataset::Pair pair{.frame = frame, .time = time_of(frame), .input = realtime_->read_input(*frame_)};
         pair.layers = {.width = pair.input.size.width, .height = pair.input.size.height, .attributes = film_attributes(report_.settings_hash, report_.exposure_ev)};
         pair.reference = resolve_rows(make_film_sums(reference_->read_film(*frame_), options_.size, samples, film_attributes(reference_hash_, report_.exposure_ev)), counts);
+        pair.reference.attributes[kFrameAttribute] = frame_hash(reference_sequence_hash_, frame, std::nullopt);
         dataset_->add(std::move(pair), options_.output);
     }
     report_.written = options_.output.files;
