@@ -10,7 +10,7 @@
 
 namespace parhelion::image {
 
-// 8-bit RGB PNG marked as sRGB.
+// 8-bit RGB PNG marked as sRGB, with the picture's attributes as tEXt chunks.
 std::vector<std::byte> encode_png(const Picture8& picture);
 // 8-bit RGBA PNG without any word on its colours, for textures: decode_png gives the same texels back.
 std::vector<std::byte> encode_png(const Texture8& texture);

@@ -11,19 +11,21 @@
 
 namespace parhelion::image {
 
-// Text that travels with an image in its EXR header: exposure, settings hash, ...
+// Text that travels with an image, in the EXR header or in text chunks of the PNG: exposure, settings hash, ...
 using Attributes = std::map<std::string, std::string>;
 
 // Eight-bit RGBA, rows from the top. The file's own colour space and gamma are not applied.
 struct Texture8 {
     uint32_t width = 0, height = 0;
     std::vector<uint8_t> rgba = {};  // 4 * width * height
+    Attributes attributes = {};      // of a PNG: its tEXt chunks that stand before the pixels
 };
 
 // Eight-bit RGB for display (sRGB), rows from the top.
 struct Picture8 {
     uint32_t width = 0, height = 0;
     std::vector<uint8_t> rgb = {};  // 3 * width * height
+    Attributes attributes = {};     // names of 1 to 79 letters of ASCII
 };
 
 // A layer that is kept and written as it is, whatever the precision of the colours: 32-bit words, floats or whole numbers.

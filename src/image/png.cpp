@@ -94,20 +94,44 @@ bool read_rows(PngJob& job, png_bytepp rows) {
     return true;
 }
 
-bool write_all(PngJob& job, uint32_t width, uint32_t height, bool with_alpha, png_bytepp rows) {
+bool write_all(PngJob& job, uint32_t width, uint32_t height, bool with_alpha, std::span<const png_text> texts, png_bytepp rows) {
     if (setjmp(png_jmpbuf(job.png))) return false;
     png_set_write_fn(job.png, &job, write_bytes, flush_bytes);
     png_set_user_limits(job.png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
     png_set_IHDR(job.png, job.info, width, height, 8, with_alpha ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     if (!with_alpha) png_set_sRGB(job.png, job.info, PNG_sRGB_INTENT_RELATIVE);
+    if (!texts.empty()) png_set_text(job.png, job.info, texts.data(), static_cast<int>(texts.size()));
     png_write_info(job.png, job.info);
     png_write_image(job.png, rows);
     png_write_end(job.png, nullptr);
     return true;
 }
 
-std::vector<std::byte> encode(uint32_t width, uint32_t height, bool with_alpha, const std::vector<uint8_t>& pixels) {
+// libpng reads what these point to.
+std::vector<png_text> text_chunks(const Attributes& attributes) {
+    std::vector<png_text> texts;
+    for (const auto& [name, value] : attributes) {
+        png_text text{};
+        text.compression = PNG_TEXT_COMPRESSION_NONE;
+        text.key = const_cast<char*>(name.c_str());
+        text.text = const_cast<char*>(value.c_str());
+        text.text_length = value.size();
+        texts.push_back(text);
+    }
+    return texts;
+}
+
+Attributes read_attributes(const PngJob& job) {
+    png_textp texts = nullptr;
+    const int count = png_get_text(job.png, job.info, &texts, nullptr);
+    Attributes attributes;
+    for (int i = 0; i < count; ++i)
+        if (texts[i].compression == PNG_TEXT_COMPRESSION_NONE && texts[i].text) attributes[texts[i].key] = texts[i].text;
+    return attributes;
+}
+
+std::vector<std::byte> encode(uint32_t width, uint32_t height, bool with_alpha, const Attributes& attributes, const std::vector<uint8_t>& pixels) {
     const size_t row_bytes = (with_alpha ? size_t{4} : size_t{3}) * width;
     PARHELION_CHECK(pixels.size() == row_bytes * height && !pixels.empty(), "a picture of {}x{} with {} bytes", width, height, pixels.size());
     PngWriter writer;
@@ -116,7 +140,8 @@ std::vector<std::byte> encode(uint32_t width, uint32_t height, bool with_alpha, 
     if (!writer.info) throw Error(ErrorCode::Failed, "the PNG cannot be encoded: out of memory");
     std::vector<png_bytep> rows(height);
     for (size_t y = 0; y < rows.size(); ++y) rows[y] = const_cast<png_bytep>(pixels.data() + y * row_bytes);
-    if (!write_all(writer, width, height, with_alpha, rows.data()))
+    const std::vector<png_text> texts = text_chunks(attributes);
+    if (!write_all(writer, width, height, with_alpha, texts, rows.data()))
         throw Error(ErrorCode::Failed, fmt::format("the PNG cannot be encoded: {}", writer.message));
     return std::move(writer.output);
 }
@@ -144,11 +169,12 @@ Texture8 decode_png(std::span<const std::byte> bytes, const DecodeLimits& limits
     std::vector<png_bytep> rows(out.height);
     for (size_t y = 0; y < rows.size(); ++y) rows[y] = out.rgba.data() + y * row_bytes;
     if (!read_rows(reader, rows.data())) refuse();
+    out.attributes = read_attributes(reader);
     return out;
 }
 
-std::vector<std::byte> encode_png(const Picture8& picture) { return encode(picture.width, picture.height, false, picture.rgb); }
-std::vector<std::byte> encode_png(const Texture8& texture) { return encode(texture.width, texture.height, true, texture.rgba); }
+std::vector<std::byte> encode_png(const Picture8& picture) { return encode(picture.width, picture.height, false, picture.attributes, picture.rgb); }
+std::vector<std::byte> encode_png(const Texture8& texture) { return encode(texture.width, texture.height, true, {}, texture.rgba); }
 
 void write_png(const std::filesystem::path& path, const Picture8& picture) { write_file(path, encode_png(picture)); }
 

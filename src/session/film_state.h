@@ -17,6 +17,7 @@ namespace parhelion {
 inline constexpr const char* kExposureAttribute = "exposure_ev100";
 inline constexpr const char* kSettingsAttribute = "settings_hash";
 inline constexpr const char* kSamplesAttribute = "samples";  // pictures only
+inline constexpr const char* kFrameAttribute = "frame_hash";  // frames only, in their PNGs too (session/frame_hash.h)
 
 uint64_t hash_render(const Scene& scene, const ViewDesc& view, const RenderSettings& settings, double upscale = 1);
 image::Attributes film_attributes(uint64_t settings_hash, double exposure_ev);

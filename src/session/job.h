@@ -27,6 +27,7 @@ struct PassTime {
 // What a job that plays frames has done.
 struct PlayedFrame {
     uint64_t number = 0;
+    bool written = false;        // to files of its own
     double time = 0;             // seconds on the scene's clock
     double ms = 0, gpu_ms = 0;   // from the scene's edit to the finished frame; of it the GPU's
     RayCounts rays;
@@ -34,6 +35,7 @@ struct PlayedFrame {
 struct PlayReport {
     FramePlay play;
     std::vector<PlayedFrame> frames;  // that were drawn, warm-up and frames before the first that is written too
+    std::vector<uint64_t> kept;       // --resume: numbers of frames that were there already
 };
 
 struct RenderReport {

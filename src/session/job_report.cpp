@@ -22,8 +22,8 @@ uint64_t rays_of(const PassTime& pass, const RenderReport& report) {
 Json play_json(const PlayReport& report) {
     Json frames = Json::array();
     for (const PlayedFrame& frame : report.frames)
-        frames.push_back({{"frame", frame.number}, {"time", frame.time}, {"ms", frame.ms}, {"gpu_ms", frame.gpu_ms}, {"rays", {{"path", frame.rays.path}, {"shadow", frame.rays.shadow}}}});
-    return {{"fps", report.play.fps}, {"average", report.play.average}, {"warmup", report.play.warmup}, {"drawn", frames}};
+        frames.push_back({{"frame", frame.number}, {"written", frame.written}, {"time", frame.time}, {"ms", frame.ms}, {"gpu_ms", frame.gpu_ms}, {"rays", {{"path", frame.rays.path}, {"shadow", frame.rays.shadow}}}});
+    return {{"fps", report.play.fps}, {"average", report.play.average}, {"warmup", report.play.warmup}, {"kept", report.kept}, {"drawn", frames}};
 }
 
 }  // namespace

@@ -64,6 +64,9 @@ const OptionSpec kOptions[] = {
      .renderers = kRealtime, .instead = kUseSpp},
     {.name = "--warmup", .section = "Picture", .commands = kRender, .kind = ValueKind::Integer, .value = "N",
      .help = "frames before the first that --average counts (default 64)", .max = 1 << 20, .renderers = kRealtime, .instead = kUseSpp},
+    {.name = "--preroll", .section = "Picture", .commands = kRender, .kind = ValueKind::Integer, .value = "N",
+     .help = "draw only N frames before the first of a sequence that is written, instead of all from frame 0 on: sooner, and somewhat other pictures",
+     .max = 1 << 20, .renderers = kRealtime, .instead = "leave it out: a path tracer's frames do not lean on those before them"},
 
     // Camera and time
     {.name = "--camera", .section = "Camera and time", .commands = kDraw, .kind = ValueKind::Text, .value = "NAME|INDEX",
@@ -142,8 +145,9 @@ const OptionSpec kOptions[] = {
     {.name = "--checkpoint-every", .section = "Output", .commands = kRender, .kind = ValueKind::Duration, .value = "TIME",
      .fallback = "60s",
      .help = "time between two checkpoints", .bits = kNotInPreset, .renderers = kPathTracers, .instead = kPathTracersOnly},
-    {.name = "--resume", .section = "Output", .commands = kRender, .help = "continue from the file of --checkpoint if it is there",
-     .bits = kNotInPreset, .renderers = kPathTracers, .instead = kPathTracersOnly},
+    {.name = "--resume", .section = "Output", .commands = kRender,
+     .help = "continue from the file of --checkpoint if it is there; with --frames, keep the frames that the same command has written",
+     .bits = kNotInPreset},
     {.name = "--json", .section = "Output", .commands = kRender | kMerge | kExport | kBench, .kind = ValueKind::File, .value = "F",
      .help = "write the numbers of the run as JSON; - is stdout", .bits = kNotInPreset},
     {.name = "--json", .section = "Output", .commands = kCompare | kDevices | kInfo | kSettings, .kind = ValueKind::File, .value = "F",

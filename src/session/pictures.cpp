@@ -45,7 +45,9 @@ void write_pictures(const OutputOptions& output, const image::ImageF& picture) {
     const double scale = image::exposure_scale_from_ev100(recorded_exposure(picture.attributes).value_or(0));
     for (const std::filesystem::path& file : output.files) {
         if (is_png(file)) {
-            image::write_png(file, image::tonemap_to_srgb(picture, output.tonemap, scale));
+            image::Picture8 shown = image::tonemap_to_srgb(picture, output.tonemap, scale);
+            if (const auto found = picture.attributes.find(kFrameAttribute); found != picture.attributes.end()) shown.attributes.insert(*found);
+            image::write_png(file, shown);
             continue;
         }
         const uint64_t clamped = image::write_exr(file, picture, output.exr_float ? image::ExrPrecision::Float : image::ExrPrecision::Half);

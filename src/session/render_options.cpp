@@ -77,6 +77,7 @@ void read_play(const OptionValues& values, RenderOptions& options) {
     }
     if (play.frames.end <= play.warmup && play.average)
         refuse(values.where("--frames"), fmt::format("{} frames are no more than the warm-up of {}", play.frames.end, play.warmup), "ask for more, or set --warmup N");
+    if (values.given("--preroll")) play.preroll = read_uint(values, "--preroll");
     if (options.is_part) refuse(values.where("--frames"), "it cannot be used together with --spp-range", "--frames A-B draws a part of a sequence");
     options.play = play;
     check_frame_count(values, options, realtime ? 1 : whole_blocks(options.samples.end));
@@ -116,7 +117,7 @@ void check_sequence(const OptionValues& values, const RenderOptions& options) {
         if (sequences != 0) refuse("--out", "'#' stands for the numbers of frames", "add --frames N");
         return;
     }
-    if (!options.checkpoint.empty()) refuse(values.where("--checkpoint"), "a sequence has none", "--frames A-B goes on where it has stopped");
+    if (!options.checkpoint.empty()) refuse(values.where("--checkpoint"), "a sequence has none", "--resume alone keeps the frames that are there");
     const bool one_picture = sequences != static_cast<std::ptrdiff_t>(files.size());
     if (sequences != 0 && one_picture) refuse("--out", "a sequence and a picture cannot be written together", "give every name a '####', or none");
     for (const auto& file : files)
@@ -125,6 +126,19 @@ void check_sequence(const OptionValues& values, const RenderOptions& options) {
     if (one_picture && options.renderer != RendererKind::Realtime) refuse("--out", "a path tracer's frames are pictures of their own", "name them --out NAME.####.exr");
     if (one_picture && options.play->frames.begin != 0) refuse(values.where("--frames"), "one picture has no first frame", "use --frames N, or --out NAME.####.exr");
     if (sequences != 0 && options.play->average) refuse(values.where("--average"), "the mean is one picture", "use --out NAME.exr");
+}
+
+void check_resume(const OptionValues& values, const RenderOptions& options) {
+    const std::string resume = values.where("--resume"), preroll = values.where("--preroll");
+    if (options.resume && !options.play && options.checkpoint.empty()) refuse(resume, "there is nothing to resume from", "add --checkpoint F, or --frames N for a sequence");
+    if (!options.play) return;
+    const auto& files = options.output.files;
+    const bool sequence = !files.empty() && is_sequence(files.front());
+    if (options.play->preroll && options.play->average) refuse(preroll, "a mean has frames that it does not count", "use --warmup N");
+    if (options.play->preroll && !options.dataset.empty()) refuse(preroll, "a dataset's frames have all of their history", "leave it out");
+    if (options.play->preroll && !files.empty() && !sequence) refuse(preroll, "it is for a sequence", "use --frames A-B and --out NAME.####.exr");
+    if (options.resume && !options.dataset.empty()) refuse(resume, "a dataset goes on by itself", "leave it out");
+    if (options.resume && !sequence) refuse(resume, "it keeps the frames of a sequence", "name them --out NAME.####.exr");
 }
 
 void check_debug_layers(const RenderOptions& options, std::string_view where) {
@@ -176,8 +190,7 @@ void check_outputs(const OptionValues& values, const RenderOptions& options) {
     if (options.upscale > 1 && options.reconstruction_layers) refuse(values.where("--aov"), "what reconstruction gets has fewer pixels than the picture", "leave --upscale out, or write --dataset");
     if ((!options.aovs.empty() || options.keep_noisy || options.reconstruction_layers) && !exr) throw Error(ErrorCode::Usage, "layers need an EXR", values.where("--aov"), "add --out F.exr");
     check_sequence(values, options);
-    if (options.resume && options.checkpoint.empty())
-        throw Error(ErrorCode::Usage, "there is nothing to resume from", "--resume", "add --checkpoint F");
+    check_resume(values, options);
 }
 
 }  // namespace

@@ -31,6 +31,7 @@ struct FramePlay {
     double fps = 0;            // 0: the clock stands at --time
     bool average = false;      // one picture: the mean of all frames after the warm-up
     uint64_t warmup = 0;       // frames
+    std::optional<uint64_t> preroll = {};  // realtime: so many frames are drawn before the first that is written; none: all from frame 0 on
 };
 
 struct RenderOptions {
@@ -69,7 +70,7 @@ struct RenderOptions {
     uint64_t reference_samples = 1024;      // a pixel of the dataset's references
     std::filesystem::path checkpoint;  // empty: none
     double checkpoint_seconds = 60;
-    bool resume = false;
+    bool resume = false;  // from the checkpoint; of a sequence, keep the frames that are there
     std::string json;  // target of write_json
     bool list_frame = false;
 

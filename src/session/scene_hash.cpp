@@ -1,4 +1,4 @@
-// A hash of everything in a scene that reaches the picture.
+// Hashes of everything in a scene that reaches the picture, and of all that moves it.
 #include "base/hash.h"
 #include "session/scene_setup.h"
 
@@ -45,7 +45,17 @@ void add_primitive(Hasher& hasher, const Primitive& p) {
     add_array(hasher, p.colors);
     add_array(hasher, p.triangles);
     hasher.add(p.material.index);
+    for (const MorphTarget& target : p.targets) {
+        add_array(hasher, target.positions);
+        add_array(hasher, target.normals);
+        add_array(hasher, target.tangents);
+    }
+    if (p.joints.empty()) return;
+    add_array(hasher.add(p.influence_count), p.joints);
+    add_array(hasher, p.joint_weights);
 }
+
+void add_place(Hasher& hasher, const Placement& place) { add_plain(hasher.add(place.node.index), place.node_from_object); }
 
 }  // namespace
 
@@ -78,6 +88,34 @@ uint64_t hash_scene(const Scene& scene) {
     const Environment& environment = scene.environment();
     add_array(hasher.add(environment.width).add(environment.height).add(environment.rotation), environment.radiance);
     add_plain(hasher, environment.scale);
+    return hasher.value();
+}
+
+uint64_t hash_motion(const Scene& scene) {
+    Hasher hasher;
+    for (const auto& [handle, node] : scene.nodes()) {
+        add_plain(hasher.add(handle.index).add(node.parent.index), node.world_from_node);
+        add_plain(hasher, matrix_of(node.local));
+    }
+    for (const auto& [handle, skin] : scene.skins()) {
+        for (const Handle<Node> joint : skin.joints) hasher.add(joint.index);
+        add_array(hasher.add(handle.index), skin.inverse_bind);
+    }
+    for (const auto& [handle, animation] : scene.animations()) {
+        hasher.text(animation.name);
+        for (const AnimationChannel& channel : animation.channels) {
+            add_array(hasher.add(channel.node.index).add(channel.path).add(channel.interpolation).add(channel.width), channel.times);
+            add_array(hasher, channel.values);
+        }
+    }
+    for (const auto& [handle, instance] : scene.instances()) {
+        add_place(hasher.add(instance.skin.index), instance.place);
+        add_array(hasher, instance.weights);
+    }
+    for (const auto& [handle, light] : scene.lights()) add_place(hasher, light.place);
+    for (const auto& [handle, camera] : scene.cameras()) {
+        add_place(hasher.text(camera.name).add(camera.kind).add(camera.yfov).add(camera.xmag).add(camera.ymag), camera.place);
+    }
     return hasher.value();
 }
 

@@ -30,5 +30,7 @@ gpu::TraceWay choose_trace_way(const gpu::DeviceCaps& caps, TraceChoice choice);
 
 // A hash of everything in the scene that reaches the picture: equal scenes, equal hashes, wherever their files lie.
 uint64_t hash_scene(const Scene& scene);
+// A hash of what a scene of a file does as time goes on from where it stands: hierarchy, animations, skins, cameras.
+uint64_t hash_motion(const Scene& scene);
 
 }  // namespace parhelion

@@ -51,9 +51,17 @@ TEST_F(CliFrames, an_interrupted_sequence_leaves_whole_frames_and_says_how_many)
     ASSERT_GE(names.size(), 2u);
     for (size_t i = 0; i < names.size(); ++i) EXPECT_EQ(names[i], fmt::format("a.{:04}.exr", i));
     EXPECT_EQ(result.json()["frames"], names.size());
+    EXPECT_NE(result.err.find("the same command with --resume keeps these frames and draws the others"), std::string::npos) << result.err;
     const size_t last = names.size() - 1;
-    ASSERT_EQ(run_parhelion(words(fmt::format("{}-{}", last, last + 1).c_str(), "again.####.exr")).exit_code, 0);
-    EXPECT_EQ(read_bytes(file(names.back())), read_bytes(file(fmt::format("again.{:04}.exr", last))));
+    const std::string written = read_bytes(file(names.back()));
+    std::filesystem::remove(file(names.back()));
+    Words resume = words(std::to_string(names.size()).c_str(), "a.####.exr");
+    resume.push_back("--resume");
+    const ProcessResult resumed = run_parhelion(resume);
+    ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
+    EXPECT_EQ(resumed.json()["play"]["kept"].size(), last);
+    EXPECT_NE(resumed.err.find(fmt::format("done: {} of {} frames kept, 1 drawn in ", last, names.size())), std::string::npos) << resumed.err;
+    EXPECT_EQ(read_bytes(file(names.back())), written);
 }
 
 }  // namespace parhelion::testing::cli_frames_test

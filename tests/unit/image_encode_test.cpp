@@ -116,6 +116,9 @@ TEST(Png, eight_bit_rgb_survives) {
         EXPECT_EQ(0, std::memcmp(&read.rgba[4 * p], &picture.rgb[3 * p], 3));
         EXPECT_EQ(read.rgba[4 * p + 3], 255);
     }
+    EXPECT_TRUE(read.attributes.empty());
+    picture.attributes = {{"frame_hash", "00ff"}, {"note", "two words"}};
+    EXPECT_EQ(decode_png(encode_png(picture)).attributes, picture.attributes);
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     EXPECT_NE(text.find("sRGB"), std::string_view::npos);
     EXPECT_EQ(text.find("tIME"), std::string_view::npos);

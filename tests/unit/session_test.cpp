@@ -7,9 +7,11 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "scene/load.h"
 #include "session/effective_settings.h"
 #include "session/film_state.h"
+#include "session/frame_hash.h"
 #include "session/merge.h"
 #include "session/metering.h"
 #include "session/pictures.h"
@@ -168,7 +170,66 @@ TEST(SceneHash, equal_scenes_have_equal_hashes_and_any_change_shows) {
         local.translation.x += 1e-3f;
         change.set_transform(item.handle, local);
     }));
-    EXPECT_EQ(hashes.size(), 4u);
+    // What a file's animation and its targets would do later.
+    for (const float reach : {0.0f, 0.5f})
+        hashes.insert(edit([&](const Scene& scene, SceneEdit& change) {
+            Primitive triangle{.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .triangles = {{0, 1, 2}}, .material = (*scene.materials().begin()).handle};
+            triangle.targets.resize(1);
+            triangle.targets[0].positions = {{0, 0, 0}, {0, 0, 0}, {0, 0, reach}};
+            change.add(Mesh{.primitives = {triangle}});
+        }));
+    EXPECT_EQ(hashes.size(), 6u);
+}
+
+TEST(SceneHash, the_hash_of_a_sequence_covers_what_its_frames_depend_on_later) {
+    std::set<uint64_t> hashes;
+    const auto add = [&](const std::function<void(RenderOptions&)>& change, float key = 1, std::string_view denoiser = "") {
+        LoadedScene loaded = load_scene("builtin:furnace");
+        SceneEdit edit;
+        const Handle<Node> node = edit.add(Node{});
+        edit.add(Animation{.channels = {{.node = node, .times = {0, 1}, .values = {0, 0, 0, key, 0, 0}}}});
+        loaded.scene.apply(std::move(edit));
+        RenderOptions options;
+        options.play = FramePlay{.frames = {0, 3}, .fps = 24};
+        options.output.files = {"a.#.exr"};
+        change(options);
+        hashes.insert(hash_sequence(options, loaded.scene, 7, denoiser));
+    };
+    const TemporaryFolder folder;
+    const auto follow = [&](const char* path) {
+        write_text_file(folder.file("path.json"), path);
+        add([&](RenderOptions& o) { o.camera_path = folder.file("path.json"); });
+    };
+    add([](RenderOptions&) {});
+    // What frames do not depend on.
+    add([](RenderOptions& o) { o.play->frames = {2, 9}; });
+    add([](RenderOptions& o) { o.output.files = {"b.##.png"}; });
+    add([](RenderOptions& o) { o.time_budget_seconds = 3; });
+    add([](RenderOptions& o) { o.resume = true; });
+    EXPECT_EQ(hashes.size(), 1u);
+    add([](RenderOptions&) {}, 2);
+    add([](RenderOptions&) {}, 1, "2.3");
+    add([](RenderOptions& o) { o.renderer = RendererKind::Wavefront; });
+    add([](RenderOptions& o) { o.denoise = DenoiseKind::Oidn; });
+    add([](RenderOptions& o) { o.samples.end = 65; });
+    add([](RenderOptions& o) { o.play->fps = 25; });
+    add([](RenderOptions& o) { o.load.time = 1; });
+    add([](RenderOptions& o) { o.load.animate = "swing"; });
+    add([](RenderOptions& o) { o.load.animation = "1"; });
+    add([](RenderOptions& o) { o.shutter_seconds = 0.5; });
+    add([](RenderOptions& o) { o.camera = "1"; });
+    add([](RenderOptions& o) { o.fov_degrees = 30; });
+    add([](RenderOptions& o) { o.exposure_ev = 0; });
+    add([](RenderOptions& o) { o.exposure_ev = 1; });
+    add([](RenderOptions& o) { o.output.exr_float = true; });
+    add([](RenderOptions& o) { o.output.tonemap = image::ToneCurve::Aces; });
+    add([](RenderOptions& o) { o.aovs = {"depth"}; });
+    add([](RenderOptions& o) { o.keep_noisy = true; });
+    add([](RenderOptions& o) { o.reconstruction_layers = true; });
+    follow("a");
+    follow("b");
+    EXPECT_EQ(hashes.size(), 22u);
+    EXPECT_EQ(std::set({frame_hash(7, 1, {}), frame_hash(7, 2, {}), frame_hash(8, 1, {}), frame_hash(7, 1, 0), frame_hash(7, 1, 2)}).size(), 5u);
 }
 
 TEST(SceneHash, the_render_hash_covers_the_view_and_the_settings) {
