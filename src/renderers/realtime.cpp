@@ -152,7 +152,7 @@ void Realtime::light_band(passes::LightPass pass, passes::ReusePass reuse) const
 // What paths have offered goes from frame to frame and from pixel to pixel, and lights them.
 void Realtime::share_light(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const View& view) {
     const ReuseOptions& options = options_.reuse_options;
-    const uint32_t confidence = confidence_for(options, scene.stats().emitters, options_.candidates);
+    const uint32_t confidence = confidence_for(options, scene.stats().emitters, options_.tiles ? options_.candidates : 1);
     passes::ReusePass reuse{.frame = frame,
                             .scene = scene,
                             .way = way,

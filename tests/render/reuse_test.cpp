@@ -27,11 +27,15 @@ TEST_F(Reuse, pictures_do_not_depend_on_how_many_paths_are_traced_at_a_time_and_
     RealtimeOptions bands = options, without_history = options;
     bands.slots = 24 * 8;  // the last of them has four rows
     without_history.reuse_options.confidence = 0;
+    RealtimeOptions adapted = options;
+    adapted.reuse_options.adapt_confidence = true;  // to a room with one lamp
+    const image::ImageF without = image::resolve_film(stage.play(shot, adapted));
     const image::ImageF in_bands = image::resolve_film(stage.play(shot, bands)), other = image::resolve_film(stage.play(shot, without_history));
     bool differs = false;
     for (size_t c = 0; c < whole.channels.size(); ++c) {
         EXPECT_TRUE(std::ranges::equal(whole.plane(c), again.plane(c))) << whole.channels[c];
         EXPECT_TRUE(std::ranges::equal(whole.plane(c), in_bands.plane(c))) << whole.channels[c];
+        EXPECT_TRUE(std::ranges::equal(other.plane(c), without.plane(c))) << whole.channels[c] << ": no temporal reuse where one lamp is";
         differs = differs || !std::ranges::equal(whole.plane(c), other.plane(c));
     }
     EXPECT_TRUE(differs) << "the last frame's reservoirs are used";

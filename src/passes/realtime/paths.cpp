@@ -80,7 +80,7 @@ void shade_by(const LightPass& pass, const std::string& variant, uint32_t list) 
 }  // namespace
 
 uint32_t usual_light_paths(const gpu::DeviceCaps& caps) {
-    constexpr uint64_t kMost = 1u << 21, kPathBytes = 296, kShare = 16;
+    constexpr uint64_t kMost = 1u << 21, kPathBytes = 292, kShare = 16;
     return static_cast<uint32_t>(std::min(caps.memory_bytes / (kShare * kPathBytes), kMost));
 }
 
