@@ -1,7 +1,7 @@
 # parhelion_library(NAME [USES layers...] [LINK public...] [LINK_PRIVATE private...]): one static library per folder under src/.
 add_library(parhelion_options INTERFACE)
 target_compile_options(parhelion_options INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wno-missing-field-initializers
-    -Wno-subobject-linkage  # of a source that a unity build includes into another
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>  # of a source that a unity build includes into another
     $<$<BOOL:${PARHELION_WARNINGS_AS_ERRORS}>:-Werror> -fno-fast-math -ffp-contract=off)
 target_compile_definitions(parhelion_options INTERFACE GLM_FORCE_DEPTH_ZERO_TO_ONE GLM_FORCE_EXPLICIT_CTOR)
 
