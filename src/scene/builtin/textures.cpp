@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "scene/builtin/random.h"
+#include "scene/builtin/scenes.h"
 
 namespace parhelion::builtin {
 
