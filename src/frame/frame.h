@@ -93,6 +93,8 @@ public:
     }
     void over(uint32_t width, uint32_t height = 1, uint32_t depth = 1);  // invocations; divided by the local size
     void over(gpu::Extent extent) { over(extent.width, extent.height, extent.depth); }
+    // So many invocations, in rows where there may be more than devices take work groups in one (wavefront/linear.glsl counts along them).
+    void over_all(uint64_t count);
     void over_indirect(const gpu::Buffer& args, uint64_t offset);
 
     // Raster passes. What is drawn into: the fragment shader's outputs by name, and the depth buffer. Without a clear value an image keeps

@@ -177,6 +177,11 @@ void Pass::over(uint32_t width, uint32_t height, uint32_t depth) {
     finish(std::move(extent), [=](gpu::CommandList& commands) { commands.dispatch(x, y, z); }, {});
 }
 
+void Pass::over_all(uint64_t count) {
+    constexpr uint64_t kRow = 1u << 20;
+    over(static_cast<uint32_t>(std::min(count, kRow)), static_cast<uint32_t>((count + kRow - 1) / kRow));
+}
+
 void Pass::over_indirect(const gpu::Buffer& args, uint64_t offset) {
     PARHELION_CHECK(kind_ != Kind::Raster, "pass {} draws; it has no invocations of its own", name_);
     frame_.keep(args.data());

@@ -43,8 +43,7 @@ constexpr uint32_t kRowGroups = 1 << 15;  // below the 65,535 that every device 
 
 void clear(Frame& frame, const LightCache& cache) {
     frame.upload(cache.buffer(), 0, std::as_bytes(std::span(&cache.layout(), 1)));
-    constexpr uint32_t kRow = 1u << 20;
-    frame.compute("cache/clear").read_write("cache", cache.buffer()).push(CachePush{}).over(std::min(cache.slot_count(), kRow), (cache.slot_count() + kRow - 1) / kRow);
+    frame.compute("cache/clear").read_write("cache", cache.buffer()).push(CachePush{}).over_all(cache.slot_count());
 }
 
 void plan(Frame& frame, gpu::TraceWay way, const LightCache& cache, const shared::CacheFrameData& data, uint32_t stage) {

@@ -84,11 +84,6 @@ uint32_t usual_light_paths(const gpu::DeviceCaps& caps) {
     return static_cast<uint32_t>(std::min(caps.memory_bytes / (kShare * kPathBytes), kMost));
 }
 
-void over_slots(Pass& kernel, uint32_t slots) {
-    constexpr uint32_t kRow = 1u << 20;
-    kernel.over(std::min(slots, kRow), (slots + kRow - 1) / kRow);
-}
-
 LightPaths make_light_paths(const gpu::DevicePtr& device, uint32_t slots, const LightPathNeeds& needs) {
     const auto buffer = [&](const char* name, uint64_t count, uint64_t bytes) { return gpu::Buffer(device, std::string("realtime/") + name, count * bytes); };
     constexpr uint32_t kListPlaces = 2;  // wavefront/lists.glsl
@@ -125,7 +120,7 @@ void sort_pixels(const LightPass& pass) {
         .read_write("control", machine.control)
         .read_write("lists", machine.lists)
         .push(SortFirstPush{.layers = has_layers(pass)});
-    over_slots(kernel, pixels(pass));
+    kernel.over_all(pixels(pass));
 }
 
 void sort_paths(const LightPass& pass) {
@@ -173,7 +168,7 @@ void gather_paths(const LightPass& pass) {
     if (pass.adds) kernel.read_write("diffuse", pass.signals.diffuse).read_write("specular", pass.signals.specular);
     else kernel.write("diffuse", pass.signals.diffuse).write("specular", pass.signals.specular);
     kernel.push(GatherPush{.exposure = pass.settings.exposure});
-    over_slots(kernel, pixels(pass));
+    kernel.over_all(pixels(pass));
 }
 
 }  // namespace parhelion::passes

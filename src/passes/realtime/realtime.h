@@ -54,9 +54,6 @@ void shade_paths(const LightPass& pass);   // a kernel for plain materials, and 
 void connect_paths(const LightPass& pass);
 void gather_paths(const LightPass& pass);  // the band's signals
 
-// Over so many slots, in rows that every device takes.
-void over_slots(Pass& kernel, uint32_t slots);
-
 // The picture, as one sample of the film.
 void composite(Frame& frame, const Film& film, const GBuffer& gbuffer, const Signals& signals, float exposure);
 

@@ -76,7 +76,7 @@ void light_pixels(const ReusePass& pass, const LightPaths& paths) {
         .write("shadow_list", paths.machine.shadow_list)
         .read_write("block", pass.film.block)
         .push(LightPush{.frame = pass.settings});
-    over_slots(kernel, paths.machine.shape.slots);
+    kernel.over_all(paths.machine.shape.slots);
 }
 
 }  // namespace parhelion::passes

@@ -57,12 +57,10 @@ constexpr Class kClasses[] = {{shared::kClassPlain, "+PLAIN", 0, true},
                               {shared::kClassMiss, "+MISS", 0, false}};
 bool exists(const WavefrontPass& pass, const Class& c) { return c.feature == 0 || (pass.scene.features() & c.feature) != 0; }
 
-constexpr uint32_t kRow = 1u << 20;  // invocations, where there may be more than devices take work groups in a row
-
 // Over the entries of a list, or over all that it can have.
 void over(const WavefrontPass& pass, Pass& kernel, uint32_t size, uint64_t most) {
     if (pass.state.shape.indirect) return kernel.over_indirect(pass.state.sizes, size * sizeof(shared::WavefrontSize));
-    kernel.over(static_cast<uint32_t>(std::min<uint64_t>(most, kRow)), static_cast<uint32_t>((most + kRow - 1) / kRow));
+    kernel.over_all(most);
 }
 
 void shade_class(const WavefrontPass& pass, const std::string& defines, uint32_t list, uint32_t size) {
@@ -184,7 +182,7 @@ void deposit(Frame& frame, const WavefrontState& state, const Film& film, uint32
         .read_write("firsts", state.firsts)
         .read_write("sample_classes", state.sample_classes)
         .push(DepositPush{.has_firsts = state.shape.firsts})
-        .over(std::min(pixels, kRow), (pixels + kRow - 1) / kRow);
+        .over_all(pixels);
 }
 
 }  // namespace parhelion::passes

@@ -18,11 +18,6 @@ struct ReplayPush {
 uint32_t list_of(WavefrontTraced what) { return what == WavefrontTraced::Rays ? shared::kListRays : shared::kListShadows; }
 const char* defines(WavefrontTraced what) { return what == WavefrontTraced::Rays ? "" : "+SHADOWS"; }
 
-void over_all(Pass& kernel, uint64_t count) {
-    constexpr uint64_t kRays = uint64_t{1} << 20;
-    kernel.over(static_cast<uint32_t>(std::min(count, kRays)), static_cast<uint32_t>((count + kRays - 1) / kRays));
-}
-
 }  // namespace
 
 uint64_t most_rays(const WavefrontShape& shape, WavefrontTraced what) { return uint64_t{shape.slots} * (what == WavefrontTraced::Rays ? 1 : shape.round_length); }
@@ -33,7 +28,7 @@ void dump_rays(const WavefrontPass& pass, WavefrontTraced what, const gpu::Buffe
     kernel.read_write("control", state.control).write("dump", dump).push(DumpPush{.list = list_of(what)});
     if (what == WavefrontTraced::Rays) kernel.read_write("lists", state.lists).read_write("rays", state.rays);
     else kernel.read("shadow_list", state.shadow_list).read("shadow_rays", state.shadow_rays);
-    over_all(kernel, most_rays(state.shape, what));
+    kernel.over_all(most_rays(state.shape, what));
 }
 
 void replay_rays(const WavefrontPass& pass, WavefrontTraced what, const gpu::Buffer& dump, const gpu::Buffer& hits) {
@@ -44,7 +39,7 @@ void replay_rays(const WavefrontPass& pass, WavefrontTraced what, const gpu::Buf
         .write("hits", hits)
         .push(ReplayPush{.list = list_of(what)});
     if (pass.state.shape.indirect) kernel.over_indirect(pass.state.sizes, list_of(what) * sizeof(shared::WavefrontSize));
-    else over_all(kernel, most_rays(pass.state.shape, what));
+    else kernel.over_all(most_rays(pass.state.shape, what));
 }
 
 }  // namespace parhelion::passes
