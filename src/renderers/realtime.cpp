@@ -20,8 +20,8 @@ uint32_t reservoir_sets(const RealtimeOptions& options) { return options.reuse_o
 // What the last frame counts for at most. Where few lights are the frame's own samples are as good as the last one's, and what frames repeat of each
 // other their means keep as noise.
 uint32_t confidence_for(const ReuseOptions& options, uint32_t lights, uint32_t candidates) {
-    const uint32_t wanted = static_cast<uint32_t>(std::bit_width(lights / candidates)) - (lights >= candidates ? 1 : 0);
-    return options.adapt_confidence ? std::min(options.confidence, wanted) : options.confidence;
+    if (!options.adapt_confidence) return options.confidence;
+    return std::min(options.confidence, static_cast<uint32_t>(std::bit_width(std::max(lights / candidates, 1u))) - 1);
 }
 
 // Layers that show what the world cache knows at what pixels see.
