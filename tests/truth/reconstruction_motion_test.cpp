@@ -16,7 +16,6 @@ namespace {
 
 constexpr double kAny = std::numeric_limits<double>::infinity();
 
-uint32_t picture_size() { return by_size(512u, 64u); }
 uint32_t reference_samples(bool noisy) { return truth_effort() * by_size(noisy ? 4096u : 2048u, 512u); }
 
 RealtimeOptions builtin_options(const TruthStage& on) {
@@ -223,7 +222,7 @@ TEST_P(ReconstructionStill, after_a_cut_frames_are_soon_clean_and_then_stand_sti
         if (shown.reference.width != 0) truth = shown.reference;
         const uint32_t frame = shown.index - warm_up + 1;
         const image::ImageF& picture = runs[0].picture;
-        if (frame == 1 || frame == 8 || frame == early || frame == frames) flip[frame] = image::flip_hdr(image::rgb_planes(truth), image::rgb_planes(picture), size, size).mean;
+        if (frame == 1 || frame == 8 || frame == early || frame == frames) flip[frame] = flip_of(picture, truth);
         const std::vector<float> now = displayed(picture, on.exposure);
         for (size_t p = 0; p < now.size() && frame > early; ++p) square_sum += static_cast<double>((now[p] - before[p]) * (now[p] - before[p]));
         before = now;

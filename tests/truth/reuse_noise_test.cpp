@@ -3,7 +3,6 @@
 #include <array>
 #include <limits>
 
-#include "image/flip.h"
 #include "scene/load.h"
 #include "truth/sequence.h"
 
@@ -13,11 +12,6 @@ namespace {
 constexpr std::array kLooks{1u, 8u, 32u, 36u, 40u, 44u};  // frames; those from kSettled on have a history
 constexpr uint32_t kSettled = 32;
 
-uint32_t picture_size() { return by_size(512u, 64u); }
-float pixels_per_frame() { return by_size(8.0f, 1.0f); }
-
-const Sequence kSequences[] = {{"cornell", {"torch"}}, {"spheres", {"leave"}}, {"diorama", {"robot", "lamp"}}, {"reflections", {"roll"}}, {"many_lights", {"blink"}}};
-
 // Of luminance, relative to the reference's, a pixel at a time.
 double relative_error(const image::ImageF& picture, const image::ImageF& reference) {
     double sum = 0, mean = mean_luminance(reference);
@@ -26,10 +20,6 @@ double relative_error(const image::ImageF& picture, const image::ImageF& referen
         sum += d * d / (r * r + 0.01 * mean * mean);
     }
     return sum / static_cast<double>(picture.pixel_count());
-}
-
-double flip_of(const image::ImageF& picture, const image::ImageF& reference) {
-    return image::flip_hdr(image::rgb_planes(reference), image::rgb_planes(picture), picture.width, picture.height).mean;
 }
 
 // Of one run: the error of the frames before a history has settled, and means over those after.
@@ -50,11 +40,9 @@ struct Measured {
 class RealtimeReuseNoise : public TruthTest, public ::testing::WithParamInterface<Sequence> {};
 
 TEST_P(RealtimeReuseNoise, reuse_makes_frames_better_before_and_after_reconstruction) {
-    const auto all = truth_scenes();
-    const auto scene = std::find_if(all.begin(), all.end(), [&](const TruthScene& s) { return std::string_view(s.name) == GetParam().scene; });
-    ASSERT_NE(scene, all.end());
-    if (const std::string why = why_skipped(*scene); !why.empty()) return report_skip("reuse-noise", scene->name, why);
-    TruthStage on = set_up(load_scene(scene->source), truth_stage(*scene).camera);
+    const TruthScene& scene = scene_of(GetParam());
+    if (const std::string why = why_skipped(scene); !why.empty()) return report_skip("reuse-noise", scene.name, why);
+    TruthStage on = set_up(load_scene(scene.source), truth_stage(scene).camera);
     RealtimeOptions none = truth_options(on, true), full = none, split = none;
     full.reuse = split.reuse = RealtimeReuse::Full;
     split.reuse_options.sets = ReservoirSets::Split;
@@ -65,7 +53,7 @@ TEST_P(RealtimeReuseNoise, reuse_makes_frames_better_before_and_after_reconstruc
         run.options.reconstruction = ReconstructionOptions();
     }
     std::map<std::string, Measured> of;
-    play(on, *scene, GetParam(), picture_size(), pixels_per_frame(), truth_effort() * by_size(scene->noisy ? 4096u : 2048u, 256u), kLooks, runs, [&](const SequenceFrame& frame) {
+    play(on, scene, GetParam(), picture_size(), pixels_per_frame(), truth_effort() * by_size(scene.noisy ? 4096u : 2048u, 256u), kLooks, runs, [&](const SequenceFrame& frame) {
         for (const SequenceRun& run : runs) of[run.name].add(frame.index, run.picture, frame.reference);
     });
     std::string note;
@@ -76,13 +64,13 @@ TEST_P(RealtimeReuseNoise, reuse_makes_frames_better_before_and_after_reconstruc
         note += "; ";
     }
     const auto tell = [&](const char* what, double value, double most) {
-        report({.test = "reuse-noise", .scene = scene->name, .what = what, .value = value, .low = value, .high = value, .least = 0, .most = most, .runs = 1, .frames = static_cast<uint32_t>(kLooks.size()), .note = note});
+        report({.test = "reuse-noise", .scene = scene.name, .what = what, .value = value, .low = value, .high = value, .least = 0, .most = most, .runs = 1, .frames = static_cast<uint32_t>(kLooks.size()), .note = note});
     };
-    tell("FLIP over none's, reconstructed", of["full, reconstructed"].flip() / of["none, reconstructed"].flip(), by_size(std::string_view(scene->name) == "many_lights" ? 0.85 : 1.0, 1.2));
+    tell("FLIP over none's, reconstructed", of["full, reconstructed"].flip() / of["none, reconstructed"].flip(), by_size(std::string_view(scene.name) == "many_lights" ? 0.85 : 1.0, 1.2));
     tell("error over none's, one frame", of["full"].settled_error() / of["none"].settled_error(), by_size(1.0, 1.2));
     tell("split: FLIP over unified's, reconstructed", of["split, reconstructed"].flip() / of["full, reconstructed"].flip(), std::numeric_limits<double>::infinity());
 }
-INSTANTIATE_TEST_SUITE_P(Of, RealtimeReuseNoise, ::testing::ValuesIn(kSequences), [](const auto& entry) { return std::string(entry.param.scene); });
+INSTANTIATE_TEST_SUITE_P(Of, RealtimeReuseNoise, ::testing::ValuesIn(sequences().begin(), sequences().end()), [](const auto& entry) { return std::string(entry.param.scene); });
 
 }  // namespace
 }  // namespace parhelion::testing::reuse_noise_test

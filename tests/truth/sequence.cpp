@@ -10,11 +10,32 @@
 #include "base/file.h"
 #include "image/decode.h"
 #include "image/encode.h"
+#include "image/flip.h"
 #include "image/tonemap.h"
 #include "session/film_state.h"
 #include "session/scene_setup.h"
 
 namespace parhelion::testing {
+
+namespace {
+
+const Sequence kSequences[] = {{"cornell", {"torch"}}, {"spheres", {"leave"}}, {"diorama", {"robot", "lamp"}}, {"reflections", {"roll"}}, {"many_lights", {"blink"}}};
+
+}  // namespace
+
+std::span<const Sequence> sequences() { return kSequences; }
+
+const TruthScene& scene_of(const Sequence& sequence) {
+    const auto all = truth_scenes();
+    const auto scene = std::ranges::find_if(all, [&](const TruthScene& s) { return std::string_view(s.name) == sequence.scene; });
+    PARHELION_CHECK(scene != all.end(), "no scene {} among those of the truth", sequence.scene);
+    return *scene;
+}
+
+double flip_of(const image::ImageF& picture, const image::ImageF& reference) {
+    return image::flip_hdr(image::rgb_planes(reference), image::rgb_planes(picture), picture.width, picture.height).mean;
+}
+
 namespace {
 
 constexpr double kFramesPerSecond = 30.0;

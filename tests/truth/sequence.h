@@ -2,6 +2,7 @@
 // Sequences in which the camera moves while something in the scene moves or is switched, drawn in step by several runs of the realtime renderer, each
 // with its own history, beside the reference of each frame that is looked at.
 #include <optional>
+#include <span>
 
 #include "truth/truth.h"
 
@@ -11,6 +12,14 @@ struct Sequence {
     const char* scene;
     std::vector<const char*> scripts;  // played together
 };
+
+// A sequence of each scene whose frames are judged.
+std::span<const Sequence> sequences();
+const TruthScene& scene_of(const Sequence& sequence);
+inline uint32_t picture_size() { return by_size(512u, 64u); }       // pixels a side of their pictures, and of those of other tests of reconstruction
+inline float pixels_per_frame() { return by_size(8.0f, 1.0f); }     // by which the camera moves
+// Mean over the pixels.
+double flip_of(const image::ImageF& picture, const image::ImageF& reference);
 
 // A run of a sequence. What it shows lies in `picture` after a frame in which it was looked at.
 struct SequenceRun {
