@@ -83,16 +83,16 @@ vec2 unpack_barycentrics(uint place) {
 
 // The balance heuristic between two reservoirs, each as often as its confidence says: share of `own`, whose target is the sample's where it
 // comes from, against what the sample would be for the other one. Both in one measure. Lin et al. 2022, section 5.6.
-float reservoir_share(uint own_confidence, float own_target, uint other_confidence, float other_target) {
-    const float own = float(own_confidence) * own_target, other = float(other_confidence) * other_target;
+float reservoir_share(float own_confidence, float own_target, float other_confidence, float other_target) {
+    const float own = own_confidence * own_target, other = other_confidence * other_target;
     return own > 0.0 ? 1.0 / (1.0 + other / own) : 0.0;
 }
 
 // What `own` becomes when it is offered the sample of `other`, whose target at own's surface is `other_here`; `own_there` is the target of
 // own's sample at the other's surface. Says whether the other's sample is kept. u in [0, 1).
 bool merge_reservoirs(inout Reservoir own, Reservoir other, float other_here, float own_there, float u) {
-    const float own_weight = reservoir_share(own.confidence, own.target, other.confidence, own_there) * own.target * own.weight;
-    const float other_weight = reservoir_share(other.confidence, other.target, own.confidence, other_here) * other_here * other.weight;
+    const float own_weight = reservoir_share(float(own.confidence), own.target, float(other.confidence), own_there) * own.target * own.weight;
+    const float other_weight = reservoir_share(float(other.confidence), other.target, float(own.confidence), other_here) * other_here * other.weight;
     const float sum = own_weight + other_weight;
     own.confidence = min(own.confidence + other.confidence, kMostConfidence);
     const bool takes = other_weight > 0.0 && u * sum < other_weight;
@@ -102,5 +102,32 @@ bool merge_reservoirs(inout Reservoir own, Reservoir other, float other_here, fl
     }
     own.weight = own.target > 0.0 ? sum / own.target : 0.0;
     return takes;
+}
+
+// Several reservoirs that `own` is offered, each held against it alone (pairwise MIS: Bitterli 2022, "Correlations and Reuse for Fast and Accurate Physically
+// Based Light Transport", section 9.1): neither is asked what a third one's sample would bring. `around`: the sum of their confidences.
+struct Offered {
+    LightSampleRef point;
+    float target, sum;  // of the sample kept, at own's surface; of all weights
+    float own_share;    // what is left of own's sample
+};
+const Offered kNothingOffered = Offered(kNoSampleRef, 0.0, 0.0, 0.0);
+void offer_reservoir(inout Offered offered, Reservoir own, Reservoir other, float around, float other_here, float own_there, float u) {
+    const float part = float(other.confidence) / around;
+    offered.own_share += part * reservoir_share(float(own.confidence), own.target, around, own_there);
+    const float weight = part * reservoir_share(around, other.target, float(own.confidence), other_here) * other_here * other.weight;
+    offered.sum += weight;
+    if (weight > 0.0 && u * offered.sum < weight) {
+        offered.point = other.point;
+        offered.target = other_here;
+    }
+}
+void take_offered(inout Reservoir own, Offered offered, float u) {
+    const float sum = offered.own_share * own.target * own.weight + offered.sum;
+    if (offered.sum > 0.0 && u * sum < offered.sum) {
+        own.point = offered.point;
+        own.target = offered.target;
+    }
+    own.weight = own.target > 0.0 ? sum / own.target : 0.0;
 }
 #endif

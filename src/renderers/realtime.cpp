@@ -55,7 +55,7 @@ Realtime::Realtime(gpu::DevicePtr device, const View& view, const RealtimeOption
         throw Error(ErrorCode::Usage, "a camera with a lens is traced", "gbuffer.mode=raster", "use gbuffer.mode=trace");
     if (options.reuse == RealtimeReuse::Unbiased && options.cache)
         throw Error(ErrorCode::Usage, "the world cache is not unbiased", "realtime.reuse=unbiased", "add --set realtime.cache=off");
-    if (options.reuse != RealtimeReuse::None) reuse_.emplace(passes::make_reuse_state(device, gbuffer_.identity.extent(), reservoir_sets(options), options.reuse == RealtimeReuse::Unbiased));
+    if (options.reuse != RealtimeReuse::None) reuse_.emplace(passes::make_reuse_state(device, gbuffer_.identity.extent(), reservoir_sets(options), options.reuse_options.neighbours, options.reuse == RealtimeReuse::Unbiased));
     if (options.cache) cache_.emplace(device, options.cache_options);
     if (options.reconstruction) reconstruction_.emplace(device, gbuffer_.identity.extent(), gpu::Extent{view.film().width, view.film().height}, *options.reconstruction);
     const uint32_t rows = (options.slots != 0 ? options.slots : passes::usual_light_paths(device->caps())) / traced(view).width / kTileRows * kTileRows;
@@ -169,7 +169,7 @@ void Realtime::share_light(Frame& frame, const SceneGpu& scene, gpu::TraceWay wa
                                          .reset = is_cut(view) || confidence == 0}};
     for (reuse.settings.set = 0; reuse.settings.set < reservoir_sets(options_); ++reuse.settings.set) {
         passes::reuse_before(reuse);
-        passes::reuse_around(reuse);
+        if (options.neighbours != 0) passes::tell_partners(reuse);
     }
     passes::LightPass light = light_pass(frame, scene, way, view);
     light.reservoirs = nullptr;  // nothing is offered any more

@@ -1,22 +1,26 @@
 #version 460
-// Lights a band's pixels by their reservoirs' samples: a shadow ray for each, but for those that a ray of this frame has seen.
-// Reads: scene, view, identity, reservoirs. Reads and writes: control and shadow_list (of shadow rays), sums, pending, block (path classes).
+// Spatial reuse, second half: a pixel's reservoir and its partners' become one. Lights a band's pixels by the samples kept: a shadow ray for each, but
+// for those that a ray of this frame has seen.
+// Reads: scene, view, identity, reservoirs, told. Reads and writes: control and shadow_list (of shadow rays), sums, pending, block (path classes).
 // Writes: shadow_rays.
 // variants: LAYERS
 #extension GL_GOOGLE_include_directive : require
 #include "realtime/paths.glsl"
+#include "reuse/partner.glsl"
 #include "scene/shift.glsl"
 #include "wavefront/linear.glsl"
 #include "wavefront/lists.glsl"
 
 layout(set = 1, binding = 0, rgba32ui) uniform readonly uimage2D identity;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Reservoirs { PackedReservoir v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Told { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer ShadowList { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer ShadowRays { WavefrontShadowRay v[]; };
 layout(push_constant, scalar) uniform Push {
     ViewBlock view;
     Control control;
     Reservoirs reservoirs;
+    Told told;
     Sums sums;
     Pending pending;
     ShadowRays shadow_rays;
@@ -24,6 +28,40 @@ layout(push_constant, scalar) uniform Push {
     FilmBlock block;
     ReuseFrame frame;
 } push;
+
+struct Partner {
+    uint at;                 // of its reservoir
+    float here, there;       // what its sample brings to the pixel, and the pixel's own to it
+};
+
+bool find_partner(ViewData view, uvec2 id, uint pixel, uint index, out Partner partner) {
+    const uint pixels = view.width * view.height, told = push.told.v[told_at(pixels, push.frame, index, pixel)];
+    if (told == kNoPartner) return false;
+    const ivec2 at = partner_of(view, push.frame, id, index, told & 1u);
+    const uint other = uint(at.y) * view.width + uint(at.x), told_other = push.told.v[told_at(pixels, push.frame, index, other)];
+    partner = Partner(reservoir_at(pixels, push.frame.set, other), told_target(told), told_target(told_other));
+    return told_other != kNoPartner;  // but for rounding
+}
+
+// What becomes of a pixel's reservoir beside those of its partners.
+void take_from_partners(ViewData view, uvec2 id, uint pixel, inout Reservoir own) {
+    const uint kPartnerSalt = 0x5441u;
+    Partner partner;
+    float around = 0.0;
+    for (uint i = 0u; i < push.frame.neighbours; ++i)
+        if (find_partner(view, id, pixel, i, partner)) around += float(packed_confidence(push.reservoirs.v[partner.at].point));
+    if (around <= 0.0) return;
+    Offered offered = kNothingOffered;
+    for (uint i = 0u; i < push.frame.neighbours; ++i) {
+        if (!find_partner(view, id, pixel, i, partner)) continue;
+        Reservoir other = unpack_reservoir(push.reservoirs.v[partner.at]);
+        other.point.flags |= kSampleSeen;  // or it brings nothing
+        const uvec4 random = pcg4d(uvec4(pixel, push.frame.frame_index, view.seed ^ kPartnerSalt, 2u * i + push.frame.set));
+        offer_reservoir(offered, own, other, around, partner.here, partner.there, uint_to_unit_float(random.x));
+    }
+    const uvec4 random = pcg4d(uvec4(pixel, push.frame.frame_index, view.seed ^ kPartnerSalt, kNone - push.frame.set));
+    take_offered(own, offered, uint_to_unit_float(random.x));
+}
 
 // Without a ray.
 void add_seen(ViewData view, uint slot, uint pixel, bool indirect, BsdfValue light) {
@@ -44,7 +82,8 @@ bool light_pixel(uint slot) {
     if (push.frame.set == 0u) push.sums.v[slot] = LightSums(vec3(0.0), vec3(0.0));
     const uvec4 which = imageLoad(identity, ivec2(id));
     if (which.x == kHitMiss) return false;
-    const Reservoir own = unpack_reservoir(push.reservoirs.v[reservoir_at(view.width * view.height, push.frame.set, pixel)]);
+    Reservoir own = unpack_reservoir(push.reservoirs.v[reservoir_at(view.width * view.height, push.frame.set, pixel)]);
+    take_from_partners(view, id, pixel, own);
     if (own.point.kind == kSampleNone || own.weight <= 0.0) return false;
     const uint kAfterReuse = 0x20000u;
     const PathKey key = PathKey(id, push.frame.frame_index, view.seed);

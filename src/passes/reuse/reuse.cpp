@@ -1,5 +1,6 @@
 #include "passes/reuse/reuse.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "shared/scene.h"
@@ -12,8 +13,12 @@ struct ReusePush {
     uint64_t view, reservoirs, history;
     shared::ReuseFrame frame;
 };
+struct TellPush {
+    uint64_t view, reservoirs, told;
+    shared::ReuseFrame frame;
+};
 struct LightPush {
-    uint64_t view, control, reservoirs, sums, pending, shadow_rays, shadow_list, block;
+    uint64_t view, control, reservoirs, told, sums, pending, shadow_rays, shadow_list, block;
     shared::ReuseFrame frame;
 };
 
@@ -21,10 +26,11 @@ const char* variant(const ReusePass& pass) { return (pass.scene.features() & sha
 
 }  // namespace
 
-ReuseState make_reuse_state(const gpu::DevicePtr& device, gpu::Extent extent, uint32_t sets, bool exact) {
+ReuseState make_reuse_state(const gpu::DevicePtr& device, gpu::Extent extent, uint32_t sets, uint32_t neighbours, bool exact) {
     const uint64_t bytes = uint64_t{sets} * extent.width * extent.height * sizeof(shared::PackedReservoir);
     const auto image = [&](const char* name, gpu::Format format) { return gpu::Image(device, name, {.format = format, .extent = extent}); };
-    ReuseState state{.reservoirs = gpu::Buffer(device, "reuse/reservoirs", bytes), .kept = gpu::Buffer(device, "reuse/kept", bytes)};
+    const uint64_t told = uint64_t{sets} * std::max(neighbours, 1u) * extent.width * extent.height;
+    ReuseState state{.reservoirs = gpu::Buffer(device, "reuse/reservoirs", bytes), .before = gpu::Buffer(device, "reuse/before", bytes), .told = gpu::Buffer(device, "reuse/told", told * sizeof(uint32_t))};
     if (exact) state.identity_before = image("reuse/identity_before", gpu::Format::Rgba32Uint);
     else {
         state.summary_before = image("reuse/summary_before", gpu::Format::Rgba32Uint);
@@ -34,7 +40,7 @@ ReuseState make_reuse_state(const gpu::DevicePtr& device, gpu::Extent extent, ui
 }
 
 void keep_last_frame(ReuseState& state, GBuffer& gbuffer) {
-    std::swap(state.reservoirs, state.kept);
+    std::swap(state.reservoirs, state.before);
     if (state.identity_before) std::swap(state.identity_before, gbuffer.identity);
     if (!state.summary_before) return;
     std::swap(state.summary_before, gbuffer.summary);
@@ -44,23 +50,23 @@ void keep_last_frame(ReuseState& state, GBuffer& gbuffer) {
 void reuse_before(const ReusePass& pass) {
     const ReuseState& state = pass.state;
     Pass kernel = pass.exact ? pass.frame.trace("reuse/temporal_seen", pass.way, variant(pass)) : pass.frame.compute("reuse/temporal", variant(pass));
-    kernel.scene(pass.scene.binding()).read("view", pass.film.view).read("motion", pass.gbuffer.motion).read_write("reservoirs", state.reservoirs).read("history", state.kept);
+    kernel.scene(pass.scene.binding()).read("view", pass.film.view).read("motion", pass.gbuffer.motion).read_write("reservoirs", state.reservoirs).read("history", state.before);
     if (pass.exact) kernel.read("identity", pass.gbuffer.identity).read("identity_before", state.identity_before);
     else
         kernel.read("summary", pass.gbuffer.summary).read("depth", pass.gbuffer.depth).read("summary_before", state.summary_before).read("depth_before", state.depth_before);
     kernel.push(ReusePush{.frame = pass.settings}).over(pass.gbuffer.identity.extent());
 }
 
-void reuse_around(const ReusePass& pass) {
-    Pass kernel = pass.frame.trace(pass.exact ? "reuse/spatial_seen" : "reuse/spatial", pass.way, variant(pass));
+void tell_partners(const ReusePass& pass) {
+    Pass kernel = pass.frame.trace(pass.exact ? "reuse/exchange_seen" : "reuse/exchange", pass.way, variant(pass));
     kernel.scene(pass.scene.binding())
         .read("view", pass.film.view)
         .read("summary", pass.gbuffer.summary)
         .read("depth", pass.gbuffer.depth)
         .read("reservoirs", pass.state.reservoirs)
-        .read_write("kept", pass.state.kept);
+        .write("told", pass.state.told);
     if (pass.exact) kernel.read("identity", pass.gbuffer.identity);
-    kernel.push(ReusePush{.frame = pass.settings}).over(pass.gbuffer.identity.extent());
+    kernel.push(TellPush{.frame = pass.settings}).over(pass.gbuffer.identity.extent());
 }
 
 void light_pixels(const ReusePass& pass, const LightPaths& paths) {
@@ -69,7 +75,8 @@ void light_pixels(const ReusePass& pass, const LightPaths& paths) {
         .read("view", pass.film.view)
         .read("identity", pass.gbuffer.identity)
         .read_write("control", paths.machine.control)
-        .read("reservoirs", pass.state.kept)
+        .read("reservoirs", pass.state.reservoirs)
+        .read("told", pass.state.told)
         .read_write("sums", paths.sums)
         .read_write("pending", paths.pending)
         .write("shadow_rays", paths.machine.shadow_rays)

@@ -8,11 +8,12 @@ namespace parhelion::passes {
 // A set's pixels follow those of the set before it.
 struct ReuseState {
     gpu::Buffer reservoirs;  // PackedReservoir[sets * pixels]: what this frame's paths offer; after temporal reuse what the next frame starts from
-    gpu::Buffer kept;        // the same: what the last frame left; after spatial reuse what lights the pixels
+    gpu::Buffer before;      // the same: what the last frame left
+    gpu::Buffer told;        // uint[sets * neighbours * pixels]: what partners' samples bring (reuse/partner.glsl)
     gpu::Image identity_before;               // GBuffer's of the last frame, for exact reuse,
     gpu::Image summary_before, depth_before;  // and for the other
 };
-ReuseState make_reuse_state(const gpu::DevicePtr& device, gpu::Extent extent, uint32_t sets, bool exact);
+ReuseState make_reuse_state(const gpu::DevicePtr& device, gpu::Extent extent, uint32_t sets, uint32_t neighbours, bool exact);
 // A new frame: what reservoirs and G-buffer hold becomes the last frame's.
 void keep_last_frame(ReuseState& state, GBuffer& gbuffer);
 
@@ -28,8 +29,8 @@ struct ReusePass {
 };
 
 void reuse_before(const ReusePass& pass);  // temporal
-void reuse_around(const ReusePass& pass);  // spatial
-// Shadow rays of a band's pixels and what they bring, for connect_paths and gather_paths of a LightPass that adds.
+void tell_partners(const ReusePass& pass);  // spatial: what pixels around must know
+// Spatial: what they make of it. Shadow rays of a band's pixels and what they bring, for connect_paths and gather_paths of a LightPass that adds.
 void light_pixels(const ReusePass& pass, const LightPaths& paths);
 
 }  // namespace parhelion::passes
