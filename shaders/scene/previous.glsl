@@ -34,7 +34,7 @@ uint emitter_now(uint emitter_before_row) {
     return scene.header.emitter_now_of_before == 0ul ? emitter_before_row : UintArray(scene.header.emitter_now_of_before).v[emitter_before_row];
 }
 
-// Its radiance in the previous frame over what it is now.
+// Its radiance in the previous frame over what it is now; 0: it was not there.
 float lit_before(uint emitter) {
     if (scene.header.emitter_lit_before == 0ul || emitter >= scene.header.emitter_count) return 1.0;
     return uintBitsToFloat(UintArray(scene.header.emitter_lit_before).v[emitter]);

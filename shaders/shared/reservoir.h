@@ -67,6 +67,7 @@ struct ReuseFrame {
     float radius_px;        // how far off
     uint permutation;       // 1: near pixels of the last frame are exchanged
     uint reset;             // 1: the last frame has nothing to do with this one
+    uint changed;           // 1: points may be lit otherwise than in the last frame
 };
 
 SHARED_END

@@ -167,7 +167,7 @@ struct SceneHeader {
     uint64_t suns;               // uint[sun_count]: emitters that are disks at infinity, which rays can meet
     uint64_t instance_before_of_now;  // uint[]: by row, what was the previous frame's; kNone: it is new; 0: all rows are what they were (scene/previous.glsl)
     uint64_t emitter_now_of_before;   // uint[emitter_before_count]: by the previous frame's row; kNone: it is gone; 0: likewise
-    uint64_t emitter_lit_before;      // float[emitter_count]: radiance of the previous frame over now's; 0: all shine as they did
+    uint64_t emitter_lit_before;      // float[emitter_count]: radiance of the previous frame over now's, 0 of those that were elsewhere; none: all shine as they did
     uint instance_before_count;  // rows of the previous frame; 0: there was none
     uint emitter_before_count;
     uint moving;                 // 0: nothing has moved since the previous frame, whatever the rows of instances say

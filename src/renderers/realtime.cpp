@@ -55,7 +55,8 @@ Realtime::Realtime(gpu::DevicePtr device, const View& view, const RealtimeOption
         throw Error(ErrorCode::Usage, "a camera with a lens is traced", "gbuffer.mode=raster", "use gbuffer.mode=trace");
     if (options.reuse == RealtimeReuse::Unbiased && options.cache)
         throw Error(ErrorCode::Usage, "the world cache is not unbiased", "realtime.reuse=unbiased", "add --set realtime.cache=off");
-    if (options.reuse != RealtimeReuse::None) reuse_.emplace(passes::make_reuse_state(device, gbuffer_.identity.extent(), reservoir_sets(options), options.reuse_options.neighbours, options.reuse == RealtimeReuse::Unbiased));
+    if (options.reuse != RealtimeReuse::None)
+        reuse_.emplace(passes::make_reuse_state(device, gbuffer_.identity.extent(), reservoir_sets(options), options.reuse_options.neighbours, options.reuse == RealtimeReuse::Unbiased));
     if (options.cache) cache_.emplace(device, options.cache_options);
     if (options.reconstruction) reconstruction_.emplace(device, gbuffer_.identity.extent(), gpu::Extent{view.film().width, view.film().height}, *options.reconstruction);
     const uint32_t rows = (options.slots != 0 ? options.slots : passes::usual_light_paths(device->caps())) / traced(view).width / kTileRows * kTileRows;
@@ -166,7 +167,8 @@ void Realtime::share_light(Frame& frame, const SceneGpu& scene, gpu::TraceWay wa
                                          .neighbours = options.neighbours,
                                          .radius_px = options.radius,
                                          .permutation = options.permutation ? 1u : 0u,
-                                         .reset = is_cut(view) || confidence == 0}};
+                                         .reset = is_cut(view) || confidence == 0,
+                                         .changed = unsettled_frames_ != 0}};
     for (reuse.settings.set = 0; reuse.settings.set < reservoir_sets(options_); ++reuse.settings.set) {
         passes::reuse_before(reuse);
         if (options.neighbours != 0) passes::tell_partners(reuse);
@@ -193,19 +195,25 @@ void Realtime::show(Frame& frame, View& view) {
     cut_ = false;
 }
 
+// After a change the world cache tells of what was for some frames more: samples of what it said are not to outlive it.
+void Realtime::note_changes(const SceneGpu& scene) {
+    changed_ = scene_version_ != 0 && scene.version() != scene_version_;
+    scene_version_ = scene.version();
+    unsettled_frames_ = changed_ ? 1 + (cache_ ? options_.cache_options.change_frames : 0) : unsettled_frames_ - std::min(unsettled_frames_, 1u);
+}
+
 std::optional<passes::CacheUpdate> Realtime::begin_update(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const View& view) {
     if (!cache_ || !updates_cells) return {};
-    const bool changed = scene_version_ != 0 && scene.version() != scene_version_;  // what moves takes its shadow along
-    scene_version_ = scene.version();
     return std::make_optional<passes::CacheUpdate>(
         frame, scene, way, *cache_,
-        passes::CacheFrame{.frame_index = frame_index_, .seed = view.desc().seed, .exposure = options_.exposure, .lights_changed = changed, .view = traced(view).view});
+        passes::CacheFrame{.frame_index = frame_index_, .seed = view.desc().seed, .exposure = options_.exposure, .lights_changed = changed_, .view = traced(view).view});
 }
 
 void Realtime::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, View& view, bool ends_range) {
     const passes::Film& film = traced(view);
     const auto sample = static_cast<uint32_t>(view.accumulation().samples++);
     const shared::Slice slice{.first_row = 0, .row_count = view.film().height, .first_sample = sample, .sample_count = 1};
+    note_changes(scene);
     if (reconstruction_) view.set_jitter(reconstruction_->jitter_px(frame_index_));
     begin_slice(frame, scene, way, view, slice);
     if (rendered_) rendered_->prepare(frame, view);

@@ -77,6 +77,7 @@ public:
 
 private:
     const passes::Film& traced(const View& view) const { return rendered_ ? rendered_->film() : view.film(); }  // the film of the frame's passes
+    void note_changes(const SceneGpu& scene);
     std::optional<passes::CacheUpdate> begin_update(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const View& view);
     bool draws_pixels(const View& view) const;
     bool follows(const SceneGpu& scene) const;
@@ -108,6 +109,8 @@ private:
     bool keeps_input_ = false;
     KeptInput input_;
     uint64_t scene_version_ = 0;
+    bool changed_ = false;           // something in the scene is not as it was in the last frame: what moves takes its shadow along
+    uint32_t unsettled_frames_ = 0;  // in which points may still be lit as they were before
     uint32_t frame_index_ = 0;
 };
 

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "base/hash.h"
 #include "scene/deform.h"
 #include "scene/environment_flux.h"
 #include "scene_gpu/state.h"
@@ -62,11 +63,11 @@ std::vector<uint32_t> translate_rows(std::span<const EmitterKey> before, std::sp
     return rows;
 }
 
-std::vector<float> lit_before(std::span<const double> before, std::span<const double> now, std::span<const uint32_t> rows_now) {
+std::vector<float> lit_before(std::span<const EmitterLook> before, std::span<const EmitterLook> now, std::span<const uint32_t> rows_now) {
     std::vector<float> ratios(now.size(), 0.0f);
     for (uint32_t row = 0; row < before.size(); ++row) {
         const uint32_t there = rows_now.empty() ? row : rows_now[row];
-        if (there != shared::kNone && now[there] > 0) ratios[there] = static_cast<float>(before[row] / now[there]);
+        if (there != shared::kNone && now[there].radiance > 0 && now[there].place == before[row].place) ratios[there] = static_cast<float>(before[row].radiance / now[there].radiance);
     }
     if (std::ranges::all_of(ratios, [](float ratio) { return ratio == 1.0f; })) ratios.clear();
     return ratios;
@@ -94,17 +95,30 @@ void SceneGpu::State::make_environment() {
     environment_alias = make_table("environment_alias", std::move(rows));
 }
 
+namespace {
+
+uint64_t hash_place(const Instance& instance) {
+    const Handle<Mesh> mesh = instance.drawn_mesh();  // of each pose another one
+    return Hasher{}.bytes(&instance.place.world_from_object, sizeof instance.place.world_from_object).add(mesh.index).add(mesh.generation).value();
+}
+uint64_t hash_place(const shared::Emitter& light) {
+    return Hasher{}.bytes(&light.position_ws, sizeof light.position_ws).bytes(&light.direction_ws, sizeof light.direction_ws).add(light.cos_inner).add(light.cos_outer).add(light.opening).value();
+}
+uint64_t hash_place(const shared::Environment& e) { return Hasher{}.add(e.rotation_sin).add(e.rotation_cos).add(e.texture).value(); }
+
+}  // namespace
+
 void SceneGpu::State::place_emitters() {
     emitters.clear();
     const std::vector<EmitterKey> keys_before = std::move(emitter_keys);
-    const std::vector<double> radiance_before = std::move(emitter_radiance);
+    const std::vector<EmitterLook> looks_before = std::move(emitter_looks);
     emitter_keys.clear();
-    emitter_radiance.clear();
+    emitter_looks.clear();
     std::vector<double> finite, infinite;  // flux in lumen; irradiance in lux
     std::vector<uint32_t> finite_rows, infinite_rows;
     sun_rows.clear();
-    const auto add = [&](const EmitterKey& key, const shared::Emitter& emitter, double radiance, double weight, bool is_infinite) {
-        emitter_radiance.push_back(radiance);
+    const auto add = [&](const EmitterKey& key, const shared::Emitter& emitter, const EmitterLook& look, double weight, bool is_infinite) {
+        emitter_looks.push_back(look);
         (is_infinite ? infinite : finite).push_back(weight);
         (is_infinite ? infinite_rows : finite_rows).push_back(static_cast<uint32_t>(emitters.size()));
         emitters.push_back(emitter);
@@ -123,7 +137,7 @@ void SceneGpu::State::place_emitters() {
             const double sides = (material.flags & shared::kMaterialDoubleSided) != 0 ? 2.0 : 1.0;
             geometry_emitter_rows[instances[i].emitter_base + g] = static_cast<uint32_t>(emitters.size());
             add({kOfInstance, i, g, instance_handles[i].generation}, {.kind = shared::kEmitterMesh, .instance = i, .geometry = geometry, .triangle_count = geometries[geometry].triangle_count, .triangle_table = geometries[geometry].triangle_table},
-                strength, sides * kPi * strength * world_flux(*scene, mesh, g, table, instance.place.world_from_object), false);
+                {strength, hash_place(instance)}, sides * kPi * strength * world_flux(*scene, mesh, g, table, instance.place.world_from_object), false);
         }
     }
     for (const auto& [handle, light] : scene->lights()) {
@@ -138,12 +152,12 @@ void SceneGpu::State::place_emitters() {
                             .opening = one_minus_cos(light.kind == LightKind::Directional ? light.angular_radius : 0.0f)};
         if (row.opening > 0.0f) sun_rows.push_back(static_cast<uint32_t>(emitters.size()));
         const double solid_angle = light.kind == LightKind::Spot ? 2 * kPi * (1 - row.cos_outer) : 4 * kPi;
-        add({kOfLight, handle.index, 0, handle.generation}, row, luminance(intensity), light.kind == LightKind::Directional ? luminance(intensity) : luminance(intensity) * solid_angle, light.kind == LightKind::Directional);
+        add({kOfLight, handle.index, 0, handle.generation}, row, {luminance(intensity), hash_place(row)}, light.kind == LightKind::Directional ? luminance(intensity) : luminance(intensity) * solid_angle, light.kind == LightKind::Directional);
     }
     environment.emitter = shared::kNone;
     if (!scene->environment().black() && environment_luminance > 0) {
         environment.emitter = static_cast<uint32_t>(emitters.size());
-        add({kOfEnvironment, 0, 0, 0}, {.kind = shared::kEmitterEnvironment}, luminance(environment.scale) * environment_luminance, kPi * luminance(environment.scale) * environment_luminance, true);
+        add({kOfEnvironment, 0, 0, 0}, {.kind = shared::kEmitterEnvironment}, {luminance(environment.scale) * environment_luminance, hash_place(environment)}, kPi * luminance(environment.scale) * environment_luminance, true);
     }
 
     // Infinite emitters have no flux to compare by: they get a set share, where both kinds shine.
@@ -162,7 +176,7 @@ void SceneGpu::State::place_emitters() {
     emitters_before = static_cast<uint32_t>(keys_before.size());
     emitter_translation = emitter_lit_before = {};
     std::vector<uint32_t> rows_now = translate_rows(keys_before, emitter_keys);
-    if (std::vector<float> ratios = lit_before(radiance_before, emitter_radiance, rows_now); !has_no_past && !ratios.empty()) emitter_lit_before = make_table("emitter_lit_before", std::move(ratios));
+    if (std::vector<float> ratios = lit_before(looks_before, emitter_looks, rows_now); !has_no_past && !ratios.empty()) emitter_lit_before = make_table("emitter_lit_before", std::move(ratios));
     if (!rows_now.empty()) emitter_translation = make_table("emitter_now_of_before", std::move(rows_now));
 }
 

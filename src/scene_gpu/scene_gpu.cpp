@@ -108,7 +108,7 @@ void SceneGpu::State::begin_anew() {
     instance_rows.clear();
     row_meshes.clear();
     emitter_keys.clear();
-    emitter_radiance.clear();
+    emitter_looks.clear();
     free_rows.clear();
     left_rows.clear();
     tables.clear();

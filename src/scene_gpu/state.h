@@ -142,8 +142,13 @@ struct EmitterKey {
 };
 // Where each of the rows `before` is among `now`, shared::kNone where it is not. Empty: those that were are where they were.
 std::vector<uint32_t> translate_rows(std::span<const EmitterKey> before, std::span<const EmitterKey> now);
-// The radiance before over now's, of each row of now; rows_now as translate_rows() gives it. Empty: all are as they were.
-std::vector<float> lit_before(std::span<const double> before, std::span<const double> now, std::span<const uint32_t> rows_now);
+// How bright an emitter is, in a unit of its kind's own, and a hash of where.
+struct EmitterLook {
+    double radiance = 0;
+    uint64_t place = 0;
+};
+// The radiance before over now's, of each row of now: 0 of those that are new or were elsewhere; rows_now as translate_rows() gives it. Empty: all are as they were.
+std::vector<float> lit_before(std::span<const EmitterLook> before, std::span<const EmitterLook> now, std::span<const uint32_t> rows_now);
 
 struct TopLevel {
     gpu::AccelStruct tlas;
@@ -201,7 +206,7 @@ struct SceneGpu::State {
     std::vector<EmitterKey> emitter_keys;  // by row
     gpu::Buffer emitter_translation;       // from the previous frame's rows; none: nothing has changed its row
     uint32_t emitters_before = 0;          // rows of the previous frame
-    std::vector<double> emitter_radiance;  // by row, in a unit of each kind's own
+    std::vector<EmitterLook> emitter_looks;  // by row
     gpu::Buffer emitter_lit_before;        // SceneHeader's; none: all shine as they did
     std::vector<EmissivePart> emissive_parts;  // whose tables triangle_alias holds, one after the other
     std::unordered_map<uint32_t, uint32_t> triangle_table_of_geometry;  // geometry row -> offset in triangle_alias

@@ -43,7 +43,10 @@ TEST_P(RealtimeReuseNoise, reuse_makes_frames_better_before_and_after_reconstruc
     const TruthScene& scene = scene_of(GetParam());
     if (const std::string why = why_skipped(scene); !why.empty()) return report_skip("reuse-noise", scene.name, why);
     TruthStage on = set_up(load_scene(scene.source), truth_stage(scene).camera);
-    RealtimeOptions none = truth_options(on, true), full = none, split = none;
+    RealtimeOptions none = truth_options(on, true);
+    none.reuse = RealtimeReuse::None;
+    none.reuse_options = {};
+    RealtimeOptions full = none, split = none;
     full.reuse = split.reuse = RealtimeReuse::Full;
     split.reuse_options.sets = ReservoirSets::Split;
     std::vector<SequenceRun> runs{{"none", none}, {"full", full}, {"split", split}};

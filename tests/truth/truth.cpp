@@ -8,6 +8,7 @@
 #include <fstream>
 #include <ostream>
 
+#include "base/error.h"
 #include "gpu/device_class.h"
 #include "image/tonemap.h"
 #include "scene/load.h"
@@ -76,14 +77,22 @@ uint32_t truth_effort() {
     return asked ? static_cast<uint32_t>(std::clamp(std::atoi(asked), 1, 64)) : 1;
 }
 
+std::string_view truth_reuse() {
+    const char* asked = std::getenv("PARHELION_TRUTH_REUSE");
+    const std::string_view reuse = asked ? asked : "none";
+    if (reuse != "none" && reuse != "full" && reuse != "history") throw Error(ErrorCode::Usage, "is none of none, full, history", fmt::format("PARHELION_TRUTH_REUSE={}", reuse));
+    return reuse;
+}
+
 void report(const TruthRow& row) {
     const bool inside = row.low >= row.least && row.high <= row.most;  // false for NaN
     const bool passed = inside && row.also, noise = row.also && !inside && row.value >= row.least && row.value <= row.most;
     const char* verdict = passed ? "pass" : noise ? "NOISE" : "FAIL";
+    const std::string test = truth_reuse() == "none" ? row.test : fmt::format("{} ({})", row.test, truth_reuse());
     const auto number = [](double v) { return std::abs(v) > 1e-3 || v == 0 ? fmt::format("{:.5f}", v) : fmt::format("{:.3g}", v); };
-    print(fmt::format(kLine, row.test, row.scene, row.what, number(row.value), number(row.low), number(row.high), number(row.least), number(row.most), row.runs, row.frames, verdict,
+    print(fmt::format(kLine, test, row.scene, row.what, number(row.value), number(row.low), number(row.high), number(row.least), number(row.most), row.runs, row.frames, verdict,
                       row.note));
-    write_line(fmt::format("{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}", row.test, row.scene, row.what, number(row.value), number(row.low), number(row.high), number(row.least),
+    write_line(fmt::format("{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}", test, row.scene, row.what, number(row.value), number(row.low), number(row.high), number(row.least),
                            number(row.most), row.runs, row.frames, verdict, row.note));
     EXPECT_TRUE(passed) << row.test << ", " << row.scene << ", " << row.what << ": " << row.value << " in [" << row.low << ", " << row.high << "], which must lie in [" << row.least << ", "
                         << row.most << "]; " << row.note << (noise ? " (noise: PARHELION_TRUTH_EFFORT=4 draws four times the frames)" : "");
@@ -141,7 +150,10 @@ ViewDesc truth_view(const TruthStage& on, uint32_t size, uint32_t seed, bool cla
     return desc;
 }
 
-RealtimeOptions truth_options(const TruthStage& on, bool cache) { return {.cache = cache, .exposure = on.exposure}; }
+RealtimeOptions truth_options(const TruthStage& on, bool cache) {
+    const std::string_view reuse = truth_reuse();
+    return {.reuse = reuse == "none" ? RealtimeReuse::None : RealtimeReuse::Full, .reuse_options = {.adapt_confidence = reuse != "history"}, .cache = cache, .exposure = on.exposure};
+}
 
 image::ImageF draw_reference(TruthStage& on, uint32_t size, uint32_t seed, uint32_t samples, bool classes) {
     CameraView pinhole = on.camera;

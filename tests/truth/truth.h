@@ -17,6 +17,9 @@ namespace parhelion::testing {
 bool small_truth();
 // PARHELION_TRUTH_EFFORT (1): that many times the frames in which noise may fall.
 uint32_t truth_effort();
+// PARHELION_TRUTH_REUSE: which reservoirs the tests that are not about them are done with: none (default), full, or history: full, whose temporal reuse
+// is not held back where few lights are.
+std::string_view truth_reuse();
 // `full`, or `small` where the truth is small.
 template <class T>
 T by_size(T full, T small) {

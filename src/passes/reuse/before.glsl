@@ -4,16 +4,23 @@
 #define PARHELION_REUSE_BEFORE_GLSL
 #include "reuse/reservoirs.glsl"
 
-// Rows of the last frame's instances and emitters become this one's; what is gone brings nothing.
+// Whether the last frame could not have found the sample: its light was elsewhere, or did not shine. Of what lights points, and of suns that paths meet,
+// nothing is known but whether anything at all has changed, or did some frames ago. Such samples are no part of the last frame's domain, on either side of a merge.
+bool is_new(LightSampleRef y) {
+    if (is_indirect(y.kind) || y.kind == kSampleOutside) return push.frame.changed != 0u;
+    return shone(y, kBefore) <= 0.0;
+}
+
+// Rows of the last frame's instances and emitters become this one's, and light is as bright as it is now; what is gone or new brings nothing.
 void translate(inout Reservoir r) {
     const uint kind = r.point.kind;
     if (kind == kSampleNone) return;
     if (kind == kSampleLight || kind == kSampleSky) r.point.reference = emitter_now(r.point.reference);
     else if (kind != kSampleOutside) r.point.reference = instance_now(r.point.reference);
-    if (kind != kSampleOutside && r.point.reference == kNone) {
+    if ((kind != kSampleOutside && r.point.reference == kNone) || is_new(r.point)) {
         r.point = kNoSampleRef;
         r.weight = r.target = 0.0;
-    }
+    } else if (kind == kSampleEmitter) r.point.radiance /= shone(r.point, kBefore);
 }
 
 // The pixel that saw the surface in the last frame, or one near it: near ones are exchanged, in another way each frame, so that what is repeated

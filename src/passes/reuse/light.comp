@@ -1,8 +1,8 @@
 #version 460
 // Spatial reuse, second half: a pixel's reservoir and its partners' become one. Lights a band's pixels by the samples kept: a shadow ray for each, but
 // for those that a ray of this frame has seen.
-// Reads: scene, view, identity, reservoirs, told. Reads and writes: control and shadow_list (of shadow rays), sums, pending, block (path classes).
-// Writes: shadow_rays.
+// Reads: scene, view, identity, reservoirs, told. Reads and writes: control and shadow_list (of shadow rays), sums, pending, block (path classes, debug
+// layers), rays (of the film: the exchange's). Writes: shadow_rays.
 // variants: LAYERS
 #extension GL_GOOGLE_include_directive : require
 #include "realtime/paths.glsl"
@@ -16,6 +16,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Res
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Told { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer ShadowList { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer ShadowRays { WavefrontShadowRay v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer RayCounts { uint v[]; };
 layout(push_constant, scalar) uniform Push {
     ViewBlock view;
     Control control;
@@ -26,6 +27,7 @@ layout(push_constant, scalar) uniform Push {
     ShadowRays shadow_rays;
     ShadowList shadow_list;
     FilmBlock block;
+    RayCounts rays;
     ReuseFrame frame;
 } push;
 
@@ -37,7 +39,7 @@ struct Partner {
 bool find_partner(ViewData view, uvec2 id, uint pixel, uint index, out Partner partner) {
     const uint pixels = view.width * view.height, told = push.told.v[told_at(pixels, push.frame, index, pixel)];
     if (told == kNoPartner) return false;
-    const ivec2 at = partner_of(view, push.frame, id, index, told & 1u);
+    const ivec2 at = partner_of(view, push.frame, id, index, told_turn(told));
     const uint other = uint(at.y) * view.width + uint(at.x), told_other = push.told.v[told_at(pixels, push.frame, index, other)];
     partner = Partner(reservoir_at(pixels, push.frame.set, other), told_target(told), told_target(told_other));
     return told_other != kNoPartner;  // but for rounding
@@ -101,8 +103,31 @@ bool light_pixel(uint slot) {
     return true;
 }
 
+// Of the exchange: a kernel that is compiled in three ways to trace counts nothing.
+void count_rays(uint slot, bool shown) {
+    const ViewData view = push.view.data;
+    uint of_pixel = 0u, of_all = 0u;
+    for (uint i = 0u; i < push.frame.neighbours; ++i) {
+        bool traced = false;
+        if (shown) {
+            const uvec2 id = pixel_of(view, push.control.v.slice, slot);
+            if (imageLoad(identity, ivec2(id)).x != kHitMiss) traced = told_traced(push.told.v[told_at(view.width * view.height, push.frame, i, id.y * view.width + id.x)]);
+        }
+        of_pixel += uint(traced);
+        of_all += subgroupBallotBitCount(subgroupBallot(traced));
+    }
+    if (shown && of_pixel != 0u) {
+        const uvec2 id = pixel_of(view, push.control.v.slice, slot);
+        film_add(push.block, view, kFilmDebugRays, id.y * view.width + id.x, vec3(float(of_pixel)));
+    }
+    if (of_all == 0u || !subgroupElect()) return;
+    const uint before = atomicAdd(push.rays.v[2u * kRayShadow], of_all);
+    if (before + of_all < before) atomicAdd(push.rays.v[2u * kRayShadow + 1u], 1u);
+}
+
 void main() {
     const uint slot = invocation_index();
+    count_rays(slot, slot < push.control.v.pixel_count);
     const bool waits = slot < push.control.v.pixel_count && light_pixel(slot);
     const uint place = reserve(push.control, kListShadows, bin_if(waits), 1u);
     if (waits) push.shadow_list.v[place] = slot;

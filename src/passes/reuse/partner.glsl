@@ -16,9 +16,11 @@ ivec2 partner_of(ViewData view, ReuseFrame frame, uvec2 id, uint index, uint tur
     return ((ivec2(id) + offset) ^ exchanged) - offset;
 }
 
-// What a partner's sample brings, about, and in which turn that partner was found.
-uint pack_told(float target, uint turn) { return floatBitsToUint(target) & ~1u | turn; }
-float told_target(uint told) { return uintBitsToFloat(told & ~1u); }
+// What a partner's sample brings, about; in which turn that partner was found; whether that took a ray.
+uint pack_told(float target, uint turn, bool traced) { return floatBitsToUint(target) & ~3u | (traced ? 2u : 0u) | turn; }
+float told_target(uint told) { return uintBitsToFloat(told & ~3u); }
+uint told_turn(uint told) { return told & 1u; }
+bool told_traced(uint told) { return told != kNoPartner && (told & 2u) != 0u; }
 
 uint told_at(uint pixels, ReuseFrame frame, uint index, uint pixel) { return (frame.set * frame.neighbours + index) * pixels + pixel; }
 #endif

@@ -18,7 +18,7 @@ struct TellPush {
     shared::ReuseFrame frame;
 };
 struct LightPush {
-    uint64_t view, control, reservoirs, told, sums, pending, shadow_rays, shadow_list, block;
+    uint64_t view, control, reservoirs, told, sums, pending, shadow_rays, shadow_list, block, rays;
     shared::ReuseFrame frame;
 };
 
@@ -30,7 +30,9 @@ ReuseState make_reuse_state(const gpu::DevicePtr& device, gpu::Extent extent, ui
     const uint64_t bytes = uint64_t{sets} * extent.width * extent.height * sizeof(shared::PackedReservoir);
     const auto image = [&](const char* name, gpu::Format format) { return gpu::Image(device, name, {.format = format, .extent = extent}); };
     const uint64_t told = uint64_t{sets} * std::max(neighbours, 1u) * extent.width * extent.height;
-    ReuseState state{.reservoirs = gpu::Buffer(device, "reuse/reservoirs", bytes), .before = gpu::Buffer(device, "reuse/before", bytes), .told = gpu::Buffer(device, "reuse/told", told * sizeof(uint32_t))};
+    ReuseState state{.reservoirs = gpu::Buffer(device, "reuse/reservoirs", bytes),
+                     .before = gpu::Buffer(device, "reuse/before", bytes),
+                     .told = gpu::Buffer(device, "reuse/told", told * sizeof(uint32_t))};
     if (exact) state.identity_before = image("reuse/identity_before", gpu::Format::Rgba32Uint);
     else {
         state.summary_before = image("reuse/summary_before", gpu::Format::Rgba32Uint);
@@ -82,6 +84,7 @@ void light_pixels(const ReusePass& pass, const LightPaths& paths) {
         .write("shadow_rays", paths.machine.shadow_rays)
         .write("shadow_list", paths.machine.shadow_list)
         .read_write("block", pass.film.block)
+        .read_write("rays", pass.film.rays)
         .push(LightPush{.frame = pass.settings});
     kernel.over_all(paths.machine.shape.slots);
 }

@@ -51,7 +51,7 @@ void main() {
         if (i == 1u) y = history.point;
         Site site = here;
         if (i == 2u) site = there;
-        targets[i] = about_brought(y, site, i == 2u ? kBefore : kNow).target;
+        targets[i] = i == 2u && is_new(y) ? 0.0 : about_brought(y, site, i == 2u ? kBefore : kNow).target;
     }
     own.target = targets[0];
     if (recalls) merge_reservoirs(own, history, targets[1], targets[2], reuse_numbers(view, id, push.frame, 0u).x);

@@ -165,7 +165,7 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(LightSums) v) { F(diffuse
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(PackedSample) v) { F(reference) F(number) F(place) F(bits) F(direction) F(radiance) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(PackedReservoir) v) { F(point) F(weight) F(target) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(LightReuse) v) { F(prefix) F(share) F(direction) F(instance) F(number) F(place) F(bits) F(density) }
-SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(ReuseFrame) v) { F(frame_index) F(set) F(candidates) F(most_confidence) F(neighbours) F(radius_px) F(permutation) F(reset) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(ReuseFrame) v) { F(frame_index) F(set) F(candidates) F(most_confidence) F(neighbours) F(radius_px) F(permutation) F(reset) F(changed) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(CacheFrameData) v) {
     F(frame_index) F(seed) F(exposure) F(exposure_ratio) F(cell_scale) F(cell_pixels) F(jitter) F(life) F(most_samples) F(candidates)
 }
