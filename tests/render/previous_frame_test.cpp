@@ -234,9 +234,7 @@ TEST_F(PreviousFrame, lights_tell_how_bright_they_were) {
     EXPECT_EQ(frame(std::move(brighter)), (std::vector<float>{0.5f, 1.0f, 0.25f}));
     EXPECT_EQ(frame({}), std::vector<float>(3, 1.0f)) << "they shine on";
     SceneEdit moved;
-    copy = stage.scene.get(second);
-    copy.place.node_from_object[3].x += 0.5f;
-    moved.set_light(second, copy);
+    moved.set_transform(second, glm::translate(copy.place.node_from_object, {0.5f, 0.0f, 0.0f}));
     EXPECT_EQ(frame(std::move(moved)), (std::vector<float>{1.0f, 1.0f, 0.0f})) << "what is elsewhere now did not shine from there";
     SceneEdit other;
     other.remove(first);

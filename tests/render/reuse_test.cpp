@@ -41,36 +41,82 @@ TEST_F(Reuse, pictures_do_not_depend_on_how_many_paths_are_traced_at_a_time_and_
     EXPECT_TRUE(differs) << "the last frame's reservoirs are used";
 }
 
-// A wall under a lamp that is turned up: the last frame's samples were of a weaker one, and must not stand in for what is new.
-TEST_F(Reuse, a_lamp_that_is_turned_up_shines_in_the_same_frame) {
+constexpr RealtimeOptions kWithHistory{.reuse = RealtimeReuse::Full, .reuse_options = {.adapt_confidence = false}};
+
+// A scene looked at frame by frame.
+struct Look {
+    Stage& stage;
+    View view;
+    Realtime realtime;
+    Look(Stage& the_stage, const Shot& shot, const RealtimeOptions& options) : stage(the_stage), view(stage.make_view(shot)), realtime(stage.frame.device(), view, options) {}
+
+    // A frame before which the scene is changed so.
+    double draw(SceneEdit edit = {}) {
+        stage.step(std::move(edit));
+        stage.scene_gpu.finish(stage.frame);
+        view.clear_film();
+        realtime.record(stage.frame, stage.scene_gpu, gpu::TraceWay::Compute, view, true);
+        stage.frame.run();
+        return mean_rgb(image::resolve_film(make_film_sums(view.read_film(stage.frame), {view.desc().width, view.desc().height}, {0, 1}, {})));
+    }
+    double draw_frames(int frames) {
+        for (int i = 1; i < frames; ++i) draw();
+        return draw();
+    }
+};
+
+// A wall of 4 m, lit from above.
+Stage make_lit_wall(std::initializer_list<Light> lights) {
     SceneEdit edit;
     Primitive wall;
     add_quad(wall, {-2.0f, 0.0f, 2.0f}, {4.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -4.0f});
     builtin::add_object(edit, "wall", std::move(wall), edit.add(builtin::lambert("wall", glm::vec3(0.5f))));
-    const Light weak{.intensity = 10.0f, .place = {.node_from_object = glm::translate(glm::mat4(1.0f), {0.0f, 2.0f, 0.0f})}};
-    edit.add(weak);
-    Stage stage(make_scene(std::move(edit)));
-    const Shot shot{.view = {.width = 16, .height = 16, .filter = PixelFilter::Point}, .camera = camera_from_above(2.0f, 1.0f)};
-    View view = stage.make_view(shot);
-    stage.scene_gpu.finish(stage.frame);
-    stage.step({});  // the scene stood there before, so that what it shows has a past
-    stage.scene_gpu.finish(stage.frame);
-    Realtime realtime(stage.frame.device(), view, {.reuse = RealtimeReuse::Full, .reuse_options = {.adapt_confidence = false}});
-    const auto draw = [&] {
-        view.clear_film();
-        realtime.record(stage.frame, stage.scene_gpu, shot.way, view, true);
-        stage.frame.run();
-        return mean_rgb(image::resolve_film(make_film_sums(view.read_film(stage.frame), {16, 16}, {0, 1}, {})));
-    };
-    double before = 0.0;
-    for (int i = 0; i < 10; ++i) before = draw();
+    for (const Light& light : lights) edit.add(light);
+    return Stage(make_scene(std::move(edit)));
+}
+Light lamp_at(float height, float intensity) { return {.intensity = intensity, .place = {.node_from_object = glm::translate(glm::mat4(1.0f), {0.0f, height, 0.0f})}}; }
+// 64x64: means of a frame are within 1 % of their own mean.
+Shot shot_from_above() { return {.view = {.width = 64, .height = 64, .filter = PixelFilter::Point}, .camera = camera_from_above(2.0f, 1.0f)}; }
+
+// The last frame's samples were of a weaker one, and must not stand in for what is new.
+TEST_F(Reuse, a_lamp_that_is_turned_up_shines_in_the_same_frame) {
+    const Light weak = lamp_at(2.0f, 10.0f);
+    Stage stage = make_lit_wall({weak});
+    Look look(stage, shot_from_above(), kWithHistory);
+    const double before = look.draw_frames(10);
     SceneEdit up;
     Light bright = weak;
     bright.intensity *= 10.0f;
     up.set_light(*stage.scene.lights().handle_at(0), bright);
-    stage.step(std::move(up));
-    stage.scene_gpu.finish(stage.frame);
-    EXPECT_NEAR(draw() / before, 10.0, 0.2);
+    EXPECT_NEAR(look.draw(std::move(up)) / before, 10.0, 0.2);
+}
+
+// From far away it was hardly ever sampled: what the last frame knows of it counts for nothing.
+TEST_F(Reuse, a_lamp_that_comes_near_shines_in_the_same_frame) {
+    Stage stage = make_lit_wall({lamp_at(2.0f, 10.0f), lamp_at(60.0f, 10.0f)});
+    Look look(stage, shot_from_above(), kWithHistory);
+    const double before = look.draw_frames(10);
+    SceneEdit nearer;
+    nearer.set_transform(*stage.scene.lights().handle_at(1), lamp_at(1.5f, 10.0f).place.node_from_object);
+    const double seen = look.draw(std::move(nearer));
+    EXPECT_GT(seen, 2.0 * before);
+    EXPECT_NEAR(seen / Look(stage, shot_from_above(), {}).draw_frames(8), 1.0, 0.03);
+}
+
+// Samples of light that points of the room sent on are kept with that light: it must go with what it came from. Without the cache nothing else remembers.
+TEST_F(Reuse, light_that_came_by_way_of_a_wall_is_gone_with_its_lamp) {
+    Stage stage(make_builtin("builtin:cornell").scene);
+    RealtimeOptions options = kWithHistory;
+    options.cache = false;
+    Look look(stage, {.view = {.width = 16, .height = 16, .max_bounces = 3, .filter = PixelFilter::Point}}, options);
+    EXPECT_GT(look.draw_frames(8), 0.0);
+    SceneEdit off;
+    for (const auto& [handle, material] : stage.scene.materials()) {
+        Material dark = material;
+        dark.emission = glm::vec3(0.0f);
+        off.set_material(handle, dark);
+    }
+    EXPECT_EQ(look.draw(std::move(off)), 0.0);
 }
 
 }  // namespace

@@ -43,9 +43,15 @@ compile_pack() {
 
 # Makes $1/program: the test program $2 with $1/$3 in the place of the library's. The build's own commands, each on a line.
 link_program() {
-    local tree=$1 program=$2 file=$3 compile link
-    compile=$(ninja -C "$build" -t commands "tests/$program" | grep -F -e " -c $root/$file") && link=$(ninja -C "$build" -t commands "tests/$program" | tail -n 1) || return 1
-    compile=${compile/ -c "$root/$file"/ -c "$tree/$file"} link=${link/ -o "tests/$program" / "$tree/bug.o" -o "$tree/program" }
+    local tree=$1 program=$2 file=$3 compile link joined source seeded
+    source=$root/$file seeded=$tree/$file
+    if joined=$(grep -lF "\"$source\"" "$build"/CMakeFiles/*/Unity/*.cxx); then  # a unity build: the file's whole object, with the others that it is joined with
+        seeded=$tree/joined.cxx
+        sed "s#\"$source\"#\"$tree/$file\"#" "$joined" >"$seeded"
+        source=$joined
+    fi
+    compile=$(ninja -C "$build" -t commands "tests/$program" | grep -F -e " -c $source") && link=$(ninja -C "$build" -t commands "tests/$program" | tail -n 1) || return 1
+    compile=${compile/ -c "$source"/ -c "$seeded"} link=${link/ -o "tests/$program" / "$tree/bug.o" -o "$tree/program" }
     compile=$(sed -E "s# -MF [^ ]+# -MF $tree/bug.d#; s# -o [^ ]+# -o $tree/bug.o#" <<<"$compile")
     (cd "$build" && eval "$compile" && eval "$link")
 }
