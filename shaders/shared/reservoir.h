@@ -64,7 +64,7 @@ struct ReuseFrame {
     uint candidates;        // as RealtimeFrame's, for weights of MIS: 0 without tiles
     uint most_confidence;   // of what the last frame knew
     uint neighbours;        // pixels around that are asked
-    float radius_px;        // how far off
+    float radius_px;        // how far off at most, along each axis
     uint permutation;       // 1: near pixels of the last frame are exchanged
     uint reset;             // 1: the last frame has nothing to do with this one
     uint changed;           // 1: points may be lit otherwise than in the last frame

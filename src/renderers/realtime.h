@@ -26,7 +26,7 @@ struct ReuseOptions {
     uint32_t confidence = 8;   // frames that what the last frame knew counts for at most; 0: no temporal reuse
     bool adapt_confidence = true;  // at most as much as lights call for: log2 of how many there are for each candidate
     uint32_t neighbours = 1;   // pixels around whose samples are taken; 0: no spatial reuse
-    float radius = 30.0f;      // pixels that these are off at most
+    float radius = 30.0f;      // pixels that these are off at most, along each axis
     bool permutation = false;  // near pixels of the last frame are exchanged: less that stays in place, but edges of shadows darken where samples are not weighed exactly
 };
 

@@ -97,12 +97,15 @@ void SceneGpu::State::make_environment() {
 
 namespace {
 
-uint64_t hash_place(const Instance& instance) {
+uint64_t hash_place(const Instance& instance, const shared::Material& material) {
     const Handle<Mesh> mesh = instance.drawn_mesh();  // of each pose another one
-    return Hasher{}.bytes(&instance.place.world_from_object, sizeof instance.place.world_from_object).add(mesh.index).add(mesh.generation).value();
+    const glm::mat4& place = instance.place.world_from_object;
+    return Hasher{}.bytes(&place, sizeof place).add(mesh.index).add(mesh.generation).add(material.emissive_texture.texture).value();
 }
 uint64_t hash_place(const shared::Emitter& light) {
-    return Hasher{}.bytes(&light.position_ws, sizeof light.position_ws).bytes(&light.direction_ws, sizeof light.direction_ws).add(light.cos_inner).add(light.cos_outer).add(light.opening).value();
+    Hasher hasher;
+    hasher.bytes(&light.position_ws, sizeof light.position_ws).bytes(&light.direction_ws, sizeof light.direction_ws);
+    return hasher.add(light.cos_inner).add(light.cos_outer).add(light.opening).add(light.kind).value();
 }
 uint64_t hash_place(const shared::Environment& e) { return Hasher{}.add(e.rotation_sin).add(e.rotation_cos).add(e.texture).value(); }
 
@@ -137,7 +140,7 @@ void SceneGpu::State::place_emitters() {
             const double sides = (material.flags & shared::kMaterialDoubleSided) != 0 ? 2.0 : 1.0;
             geometry_emitter_rows[instances[i].emitter_base + g] = static_cast<uint32_t>(emitters.size());
             add({kOfInstance, i, g, instance_handles[i].generation}, {.kind = shared::kEmitterMesh, .instance = i, .geometry = geometry, .triangle_count = geometries[geometry].triangle_count, .triangle_table = geometries[geometry].triangle_table},
-                {strength, hash_place(instance)}, sides * kPi * strength * world_flux(*scene, mesh, g, table, instance.place.world_from_object), false);
+                {strength, hash_place(instance, material)}, sides * kPi * strength * world_flux(*scene, mesh, g, table, instance.place.world_from_object), false);
         }
     }
     for (const auto& [handle, light] : scene->lights()) {

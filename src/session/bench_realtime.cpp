@@ -80,6 +80,7 @@ public:
         }
         ++frames_;
     }
+    // Of the paths' rays: those of reservoirs are not traced alone.
     double mean_ms() const { return frames_ == 0 ? 0 : sum_ / frames_; }
 
 private:

@@ -92,6 +92,25 @@ TEST_F(RealtimeBands, layers_tell_rays_lights_and_cells) {
     EXPECT_GT(known, 0.3 * double(picture.pixel_count()));
 }
 
+// Those of reservoirs, too, however many partners and sets there are.
+TEST_F(RealtimeBands, every_ray_of_reservoirs_is_counted_once) {
+    Stage& stage = builtin_stage("builtin:cornell");
+    const Shot shot{.way = gpu::TraceWay::Compute, .view = {.width = 24, .height = 24, .filter = PixelFilter::Point, .aovs = {"debug.rays"}}, .sample_count = 2};
+    const auto rays_of = [&](const RealtimeOptions& options) {
+        const image::ImageF picture = image::resolve_film(stage.play(shot, options));
+        const float* rays = plane_of(picture, "debug.rays");
+        double traced = 0.0;
+        for (size_t p = 0; p < picture.pixel_count(); ++p) traced += 2.0 * rays[p];
+        EXPECT_NEAR(traced, double(stage.rays.path + stage.rays.shadow), 1e-3 * traced);
+        return traced;
+    };
+    const double none = rays_of({}), alone = rays_of({.reuse = RealtimeReuse::Full, .reuse_options = {.neighbours = 0}}), pairs = rays_of({.reuse = RealtimeReuse::Full});
+    EXPECT_GE(alone, none);
+    EXPECT_GT(pairs, 1.1 * alone) << "partners trace rays";
+    EXPECT_GT(rays_of({.reuse = RealtimeReuse::Full, .reuse_options = {.neighbours = 2}}), 1.1 * pairs);
+    rays_of({.reuse = RealtimeReuse::Full, .reuse_options = {.sets = ReservoirSets::Split}});
+}
+
 bool has_pass(const Frame& frame, std::string_view name) {
     return std::ranges::any_of(frame.passes(), [&](const PassInfo& pass) { return pass.name == name; });
 }

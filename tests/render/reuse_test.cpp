@@ -5,8 +5,7 @@
 
 #include "scene/builtin/scenes.h"
 #include "scene/shapes.h"
-#include "session/film_state.h"
-#include "support/render_fixture.h"
+#include "support/realtime_player.h"
 
 namespace parhelion::testing::reuse_test {
 namespace {
@@ -43,28 +42,6 @@ TEST_F(Reuse, pictures_do_not_depend_on_how_many_paths_are_traced_at_a_time_and_
 
 constexpr RealtimeOptions kWithHistory{.reuse = RealtimeReuse::Full, .reuse_options = {.adapt_confidence = false}};
 
-// A scene looked at frame by frame.
-struct Look {
-    Stage& stage;
-    View view;
-    Realtime realtime;
-    Look(Stage& the_stage, const Shot& shot, const RealtimeOptions& options) : stage(the_stage), view(stage.make_view(shot)), realtime(stage.frame.device(), view, options) {}
-
-    // A frame before which the scene is changed so.
-    double draw(SceneEdit edit = {}) {
-        stage.step(std::move(edit));
-        stage.scene_gpu.finish(stage.frame);
-        view.clear_film();
-        realtime.record(stage.frame, stage.scene_gpu, gpu::TraceWay::Compute, view, true);
-        stage.frame.run();
-        return mean_rgb(image::resolve_film(make_film_sums(view.read_film(stage.frame), {view.desc().width, view.desc().height}, {0, 1}, {})));
-    }
-    double draw_frames(int frames) {
-        for (int i = 1; i < frames; ++i) draw();
-        return draw();
-    }
-};
-
 // A wall of 4 m, lit from above.
 Stage make_lit_wall(std::initializer_list<Light> lights) {
     SceneEdit edit;
@@ -82,25 +59,27 @@ Shot shot_from_above() { return {.view = {.width = 64, .height = 64, .filter = P
 TEST_F(Reuse, a_lamp_that_is_turned_up_shines_in_the_same_frame) {
     const Light weak = lamp_at(2.0f, 10.0f);
     Stage stage = make_lit_wall({weak});
-    Look look(stage, shot_from_above(), kWithHistory);
-    const double before = look.draw_frames(10);
+    Player player(stage, shot_from_above(), kWithHistory);
+    player.skip(9);
+    const double before = player.mean(1);
     SceneEdit up;
     Light bright = weak;
     bright.intensity *= 10.0f;
     up.set_light(*stage.scene.lights().handle_at(0), bright);
-    EXPECT_NEAR(look.draw(std::move(up)) / before, 10.0, 0.2);
+    EXPECT_NEAR(mean_luminance(player.next(std::move(up))) / before, 10.0, 0.2);
 }
 
 // From far away it was hardly ever sampled: what the last frame knows of it counts for nothing.
 TEST_F(Reuse, a_lamp_that_comes_near_shines_in_the_same_frame) {
     Stage stage = make_lit_wall({lamp_at(2.0f, 10.0f), lamp_at(60.0f, 10.0f)});
-    Look look(stage, shot_from_above(), kWithHistory);
-    const double before = look.draw_frames(10);
+    Player player(stage, shot_from_above(), kWithHistory);
+    player.skip(9);
+    const double before = player.mean(1);
     SceneEdit nearer;
     nearer.set_transform(*stage.scene.lights().handle_at(1), lamp_at(1.5f, 10.0f).place.node_from_object);
-    const double seen = look.draw(std::move(nearer));
+    const double seen = mean_luminance(player.next(std::move(nearer)));
     EXPECT_GT(seen, 2.0 * before);
-    EXPECT_NEAR(seen / Look(stage, shot_from_above(), {}).draw_frames(8), 1.0, 0.03);
+    EXPECT_NEAR(seen / Player(stage, shot_from_above(), {}).mean(8), 1.0, 0.03);
 }
 
 // Samples of light that points of the room sent on are kept with that light: it must go with what it came from. Without the cache nothing else remembers.
@@ -108,15 +87,15 @@ TEST_F(Reuse, light_that_came_by_way_of_a_wall_is_gone_with_its_lamp) {
     Stage stage(make_builtin("builtin:cornell").scene);
     RealtimeOptions options = kWithHistory;
     options.cache = false;
-    Look look(stage, {.view = {.width = 16, .height = 16, .max_bounces = 3, .filter = PixelFilter::Point}}, options);
-    EXPECT_GT(look.draw_frames(8), 0.0);
+    Player player(stage, {.view = {.width = 16, .height = 16, .max_bounces = 3, .filter = PixelFilter::Point}}, options);
+    EXPECT_GT(player.mean(8), 0.0);
     SceneEdit off;
     for (const auto& [handle, material] : stage.scene.materials()) {
         Material dark = material;
         dark.emission = glm::vec3(0.0f);
         off.set_material(handle, dark);
     }
-    EXPECT_EQ(look.draw(std::move(off)), 0.0);
+    EXPECT_EQ(mean_luminance(player.next(std::move(off))), 0.0);
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ compile_pack() {
 link_program() {
     local tree=$1 program=$2 file=$3 compile link joined source seeded
     source=$root/$file seeded=$tree/$file
-    if joined=$(grep -lF "\"$source\"" "$build"/CMakeFiles/*/Unity/*.cxx); then  # a unity build: the file's whole object, with the others that it is joined with
+    if joined=$(grep -slF "\"$source\"" "$build"/CMakeFiles/*/Unity/*.cxx); then  # a unity build: the file's whole object, with the others that it is joined with
         seeded=$tree/joined.cxx
         sed "s#\"$source\"#\"$tree/$file\"#" "$joined" >"$seeded"
         source=$joined

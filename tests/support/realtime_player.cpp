@@ -5,7 +5,7 @@
 namespace parhelion::testing {
 
 void Player::draw(SceneEdit edit) {
-    stage_.step(std::move(edit));
+    changes = stage_.step(std::move(edit));
     stage_.scene_gpu.finish(stage_.frame);
     view.clear_film();
     realtime.record(stage_.frame, stage_.scene_gpu, way_, view, true);

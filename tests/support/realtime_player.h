@@ -20,6 +20,7 @@ public:
 
     View view;
     Realtime realtime;
+    ChangeSet changes;  // of the last edit
 
 private:
     void draw(SceneEdit edit);

@@ -36,13 +36,14 @@ struct Partner {
     float here, there;       // what its sample brings to the pixel, and the pixel's own to it
 };
 
-bool find_partner(ViewData view, uvec2 id, uint pixel, uint index, out Partner partner) {
+// False: there is none, or, where the two did not agree about it by rounding, none that both know of.
+bool read_partner(ViewData view, uvec2 id, uint pixel, uint index, out Partner partner) {
     const uint pixels = view.width * view.height, told = push.told.v[told_at(pixels, push.frame, index, pixel)];
     if (told == kNoPartner) return false;
     const ivec2 at = partner_of(view, push.frame, id, index, told_turn(told));
     const uint other = uint(at.y) * view.width + uint(at.x), told_other = push.told.v[told_at(pixels, push.frame, index, other)];
     partner = Partner(reservoir_at(pixels, push.frame.set, other), told_target(told), told_target(told_other));
-    return told_other != kNoPartner;  // but for rounding
+    return told_other != kNoPartner && told_turn(told_other) == told_turn(told);
 }
 
 // What becomes of a pixel's reservoir beside those of its partners.
@@ -51,11 +52,11 @@ void take_from_partners(ViewData view, uvec2 id, uint pixel, inout Reservoir own
     Partner partner;
     float around = 0.0;
     for (uint i = 0u; i < push.frame.neighbours; ++i)
-        if (find_partner(view, id, pixel, i, partner)) around += float(packed_confidence(push.reservoirs.v[partner.at].point));
+        if (read_partner(view, id, pixel, i, partner)) around += float(packed_confidence(push.reservoirs.v[partner.at].point));
     if (around <= 0.0) return;
     Offered offered = kNothingOffered;
     for (uint i = 0u; i < push.frame.neighbours; ++i) {
-        if (!find_partner(view, id, pixel, i, partner)) continue;
+        if (!read_partner(view, id, pixel, i, partner)) continue;
         Reservoir other = unpack_reservoir(push.reservoirs.v[partner.at]);
         other.point.flags |= kSampleSeen;  // or it brings nothing
         const uvec4 random = pcg4d(uvec4(pixel, push.frame.frame_index, view.seed ^ kPartnerSalt, 2u * i + push.frame.set));
@@ -103,7 +104,7 @@ bool light_pixel(uint slot) {
     return true;
 }
 
-// Of the exchange: a kernel that is compiled in three ways to trace counts nothing.
+// Of the exchange, which tells of its rays and does not count them: here as many as run at once ask the counter once.
 void count_rays(uint slot, bool shown) {
     const ViewData view = push.view.data;
     uint of_pixel = 0u, of_all = 0u;

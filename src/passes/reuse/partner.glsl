@@ -10,8 +10,7 @@ const uint kNoPartner = 0xFFFFFFFFu;
 // One of the two that a pixel may have: whose partner that one is itself. All pixels' lie off by bits of the same two numbers.
 ivec2 partner_of(ViewData view, ReuseFrame frame, uvec2 id, uint index, uint turn) {
     const uint kPairSalt = 0x50414952u;
-    const uint reach = (2u << findMSB(uint(frame.radius_px))) - 1u;
-    const uvec4 random = pcg4d(uvec4(frame.frame_index, view.seed ^ kPairSalt, 2u * index + turn, frame.set)) & reach;
+    const uvec4 random = pcg4d(uvec4(frame.frame_index, view.seed ^ kPairSalt, 2u * index + turn, frame.set)) % (uint(frame.radius_px) + 1u);
     const ivec2 offset = ivec2(random.xy), exchanged = ivec2(random.zw == uvec2(0u) ? uvec2(1u, 0u) : random.zw);
     return ((ivec2(id) + offset) ^ exchanged) - offset;
 }

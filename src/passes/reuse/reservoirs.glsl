@@ -17,15 +17,14 @@ void store_reservoir(Reservoirs reservoirs, uint at, Reservoir r) {
 
 PathKey key_of(ViewData view, uvec2 pixel, uint frame_index) { return PathKey(pixel, frame_index, view.seed); }
 
-// Keys of rays and numbers of a pixel's steps of reuse.
+// Keys of rays of a pixel's steps of reuse; the number by which the last frame's sample is taken or not.
 uint reuse_ray_key(ViewData view, uvec2 pixel, ReuseFrame frame, uint step) {
     const uint kBehindPaths = 0x10000u;
     return alpha_key(key_of(view, pixel, frame.frame_index), kBehindPaths + 2u * step + frame.set, kRayShadow);
 }
-vec4 reuse_numbers(ViewData view, uvec2 pixel, ReuseFrame frame, uint step) {
+float reuse_number(ViewData view, uvec2 pixel, ReuseFrame frame) {
     const uint kReuseSalt = 0x52455553u;
-    const uvec4 h = pcg4d(uvec4(pixel.x | pixel.y << 16, frame.frame_index, view.seed ^ kReuseSalt, 2u * step + frame.set));
-    return vec4(uint_to_unit_float(h.x), uint_to_unit_float(h.y), uint_to_unit_float(h.z), uint_to_unit_float(h.w));
+    return uint_to_unit_float(pcg4d(uvec4(pixel.x | pixel.y << 16, frame.frame_index, view.seed ^ kReuseSalt, frame.set)).x);
 }
 
 const float kLeastSimilarCosine = 0.9;

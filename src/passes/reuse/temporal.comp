@@ -54,6 +54,6 @@ void main() {
         targets[i] = i == 2u && is_new(y) ? 0.0 : about_brought(y, site, i == 2u ? kBefore : kNow).target;
     }
     own.target = targets[0];
-    if (recalls) merge_reservoirs(own, history, targets[1], targets[2], reuse_numbers(view, id, push.frame, 0u).x);
+    if (recalls) merge_reservoirs(own, history, targets[1], targets[2], reuse_number(view, id, push.frame));
     store_reservoir(push.reservoirs, at, own);
 }
