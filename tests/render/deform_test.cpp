@@ -1,7 +1,6 @@
-// Meshes that the device deforms: its vertices against the host's, their motion against geometry in double, and pictures and rays in every
+// Meshes that the device deforms: its vertices against the host's, their motion against geometry in double (real models: tests/soak/motion_test.cpp), and pictures and rays in every
 // way to trace against the same shapes built in place.
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -13,7 +12,7 @@
 #include "scene/shapes.h"
 #include "session/scene_setup.h"
 #include "shared/scene.h"
-#include "support/render_fixture.h"
+#include "support/motion_check.h"
 
 namespace parhelion::testing::deform_test {
 namespace {
@@ -183,28 +182,6 @@ TEST_F(DeviceDeforms, vertices_as_the_host_does_and_keeps_those_of_the_frame_bef
     }
 }
 
-// Where a point of a triangle is that now lies elsewhere, in double.
-glm::dvec3 carried(const Primitive& from, const glm::mat4& from_place, const Primitive& to, const glm::mat4& to_place, uint32_t primitive, glm::dvec3 point) {
-    const auto corner = [](const Primitive& p, const glm::mat4& place, uint32_t i) { return glm::dvec3(glm::dmat4(place) * glm::dvec4(p.positions[i], 1.0)); };
-    const glm::uvec3 t = from.triangles[primitive];
-    const glm::dvec3 a = corner(from, from_place, t.x), u = corner(from, from_place, t.y) - a, v = corner(from, from_place, t.z) - a, n = glm::cross(u, v), d = point - a;
-    const double x = glm::dot(glm::cross(d, v), n) / glm::dot(n, n), y = glm::dot(glm::cross(u, d), n) / glm::dot(n, n);
-    return (1 - x - y) * corner(to, to_place, t.x) + x * corner(to, to_place, t.y) + y * corner(to, to_place, t.z);
-}
-
-// What the first surface's channels say in a pixel.
-struct Seen {
-    uint32_t instance, geometry, primitive;
-    double depth;
-    glm::dvec2 motion;
-};
-
-Seen seen_at(const image::FilmSums& film, size_t pixel) {
-    const auto word = [&](std::string_view channel) { return std::ranges::find(film.exact, channel, &image::ExactLayer::channel)->words[pixel]; };
-    const auto number = [&](std::string_view channel) { return double(std::bit_cast<float>(word(channel))); };
-    return {word("ids.instance"), word("ids.geometry"), word("ids.primitive"), number("depth"), {number("motion.X"), number("motion.Y")}};
-}
-
 TEST_F(DeviceDeforms, motion_leads_to_where_the_surface_was_in_every_way) {
     Stage stage(make_pillar_scene());
     stage.step(pose_at(stage.scene, 0.55));
@@ -213,7 +190,6 @@ TEST_F(DeviceDeforms, motion_leads_to_where_the_surface_was_in_every_way) {
     stage.step(pose_at(stage.scene, 0.6));
     const Shot shot{.view = {.width = kSize, .height = kSize, .max_bounces = 1, .aovs = {"depth", "ids", "motion"}}, .sample_count = 1};
     const CameraView camera = view_of((*stage.scene.cameras().begin()).value, 1.0f);
-    const glm::vec2 half = camera.image_half_extents(1.0f);
     std::optional<image::FilmSums> first;
     for (const gpu::TraceWay way : kWays) {
         if (!device()->caps().supports(way)) continue;
@@ -221,36 +197,18 @@ TEST_F(DeviceDeforms, motion_leads_to_where_the_surface_was_in_every_way) {
         Shot of_way = shot;
         of_way.way = way;
         const image::FilmSums film = stage.render(of_way);
-        std::vector<double> off;
-        double moved = 0;
-        for (size_t p = 0; p < film.pixel_count(); ++p) {
-            const Seen seen = seen_at(film, p);
-            if (seen.instance >= kInstances) continue;  // the ground, the sky
-            const Instance &at = instance_of(stage.scene, seen.instance), &was = instance_of(before, seen.instance);
-            Primitive now_storage, before_storage;
-            const Primitive &shape = drawn_shape(stage.scene, stage.scene.get(at.drawn_mesh()), seen.geometry, now_storage),
-                            &shape_before = drawn_shape(before, before.get(was.drawn_mesh()), seen.geometry, before_storage);
-            const glm::dvec2 centre(double(p % kSize) + 0.5, double(p / kSize) + 0.5);
-            const glm::dvec3 direction = glm::dvec3(camera.forward) + (2 * centre.x / kSize - 1) * half.x * glm::dvec3(camera.right) + (1 - 2 * centre.y / kSize) * half.y * glm::dvec3(camera.up);
-            const glm::dvec3 point = glm::dvec3(camera.position) + seen.depth * direction;
-            const glm::dvec3 offset = carried(shape, at.place.world_from_object, shape_before, was.place.world_from_object, seen.primitive, point) - glm::dvec3(camera.position);
-            const double along = glm::dot(offset, glm::dvec3(camera.forward));
-            const glm::dvec2 film_before = (kSize / 2.0) * glm::dvec2(1 + glm::dot(offset, glm::dvec3(camera.right)) / along / half.x, 1 - glm::dot(offset, glm::dvec3(camera.up)) / along / half.y);
-            off.push_back(glm::length(seen.motion - (film_before - centre)));
-            moved = std::max(moved, glm::length(seen.motion));
-        }
-        ASSERT_GT(off.size(), 150u);
-        std::ranges::sort(off);
-        EXPECT_LT(off[off.size() * 95 / 100], 0.25);  // what a reconstruction needs
-        EXPECT_LT(off.back(), 2e-3);                  // what floats allow
-        EXPECT_GT(moved, 1.0) << "it stands still";
+        const MotionFound found = check_motion(stage.scene, before, camera, film);
+        ASSERT_GT(found.off.size(), 150u);
+        EXPECT_LT(found.off[found.off.size() * 95 / 100], 0.25);  // what a reconstruction needs
+        EXPECT_LT(found.off.back(), 2e-3);                        // what floats allow
+        EXPECT_GT(found.moved, 1.0) << "it stands still";
         for (size_t layer = 0; first && layer < film.exact.size(); ++layer) EXPECT_EQ(first->exact[layer].words, film.exact[layer].words) << film.exact[layer].channel;
         first = film;
     }
     // A frame in which nothing happens: everything has come to rest.
     stage.step({});
     const image::FilmSums still = stage.render(shot);
-    for (size_t p = 0; p < still.pixel_count(); ++p) ASSERT_EQ(seen_at(still, p).motion, glm::dvec2(0.0)) << p;
+    EXPECT_EQ(check_motion(stage.scene, stage.scene, camera, still).moved, 0.0);
 }
 
 // The scene of now with arrays instead of deformations, and nothing that deforms.
