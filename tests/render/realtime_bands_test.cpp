@@ -97,7 +97,9 @@ TEST_F(RealtimeBands, every_ray_of_reservoirs_is_counted_once) {
     Stage& stage = builtin_stage("builtin:cornell");
     const Shot shot{.way = gpu::TraceWay::Compute, .view = {.width = 24, .height = 24, .filter = PixelFilter::Point, .aovs = {"debug.rays"}}, .sample_count = 2};
     const auto rays_of = [&](const RealtimeOptions& options) {
-        const image::ImageF picture = image::resolve_film(stage.play(shot, options));
+        RealtimeOptions near = options;
+        near.reuse_options.radius = 4.0f;  // so that most partners are in the picture
+        const image::ImageF picture = image::resolve_film(stage.play(shot, near));
         const float* rays = plane_of(picture, "debug.rays");
         double traced = 0.0;
         for (size_t p = 0; p < picture.pixel_count(); ++p) traced += 2.0 * rays[p];
