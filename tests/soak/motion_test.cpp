@@ -34,7 +34,7 @@ TEST_P(ModelMotion, leads_to_where_the_surface_was) {
     ASSERT_GT(found.off.size(), 1000u);
     std::printf("%s: %zu pixels, the fastest moves %.2f px; off by %.4f px (95 %%), %.4f px (most)\n", GetParam().file, found.off.size(), found.moved, found.off[found.off.size() * 95 / 100], found.off.back());
     EXPECT_LE(found.off[found.off.size() * 95 / 100], 0.25);
-    EXPECT_GT(found.moved, 0.5) << "it stands still";
+    EXPECT_GT(found.moved, 0.2) << "it stands still";
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, ModelMotion, ::testing::ValuesIn(kModels), [](const auto& entry) {
