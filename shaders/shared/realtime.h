@@ -59,6 +59,7 @@ struct RealtimeFrame {
     uint path_bounces;  // reflections after which a path ends in the cache whatever it meets, but for glass
     uint follows;       // 1: the signals are of the surface that is seen through mirrors and panes
     uint reservoir_sets;  // 1: one reservoir a pixel; 2: one for direct and one for indirect light
+    uint later_candidates;  // light samples that a later vertex' one is chosen from, with tiles; 0: one of all lights
 };
 
 // A path of the frame between two of its vertices, beside its ray (WavefrontRay): 48 bytes.

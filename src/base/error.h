@@ -7,6 +7,7 @@
 #include <exception>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -34,6 +35,12 @@ struct Error : std::exception {
     std::string where;
     std::string hint;
     std::string line;  // the three in one clear line
+};
+
+// The device is gone with all that was on it; another one, or the same opened again, may work.
+struct DeviceLost : Error {
+    DeviceLost(std::string what_text, std::string where_text)
+        : Error(ErrorCode::Failed, std::move(what_text), std::move(where_text), "a smaller --size or another --device may work") {}
 };
 
 [[noreturn]] void fail_check(const char* condition, const char* file, int line, const std::string& message);

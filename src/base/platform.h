@@ -41,6 +41,13 @@ bool sync_file(const std::filesystem::path& path);
 std::string become_program(const std::filesystem::path& program, const std::vector<std::string>& words);
 std::filesystem::path program_folder();  // where this program lies; empty: unknown
 
+// Runs a line of the system's shell and waits for its end; `output` is what it said on both streams, its first 64 KiB.
+struct CommandResult {
+    int exit_code = -1;  // -1: it could not be started, or was ended by a signal
+    std::string output;
+};
+CommandResult run_command(const std::string& line);
+
 // A shared library loaded at run time; nullptr if it is not there.
 void* load_library(const std::string& name);
 void* library_symbol(void* library, const char* name);

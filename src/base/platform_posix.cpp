@@ -1,5 +1,6 @@
 #include "base/platform.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
@@ -12,6 +13,7 @@
 #include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 namespace parhelion::platform {
@@ -103,6 +105,18 @@ std::string become_program(const std::filesystem::path& program, const std::vect
 std::filesystem::path program_folder() {
     std::error_code ignored;
     return std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
+}
+
+CommandResult run_command(const std::string& line) {
+    constexpr size_t kMostOutput = 1u << 16;
+    CommandResult result;
+    std::FILE* pipe = popen(("{ " + line + "\n} 2>&1").c_str(), "re");
+    if (!pipe) return result;
+    char buffer[4096];
+    while (const size_t got = std::fread(buffer, 1, sizeof buffer, pipe)) result.output.append(buffer, std::min(got, kMostOutput - std::min(kMostOutput, result.output.size())));
+    const int status = pclose(pipe);
+    if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);
+    return result;
 }
 
 void* load_library(const std::string& name) { return dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL); }

@@ -20,7 +20,7 @@ constexpr UseMask kEveryUse = ~0u;
 }  // namespace
 
 Frame::Frame(gpu::DevicePtr device, const FrameOptions& options, const gpu::ShaderPack& pack)
-    : device_(std::move(device)), options_(options), pack_(pack) {
+    : device_(std::move(device)), options_(options), pack_(&pack) {
     if (options_.markers) marker_ = gpu::Buffer(device_, "frame/marker", 256, gpu::MemoryKind::Readback);
 }
 
@@ -69,6 +69,39 @@ Pass Frame::compute(std::string_view name, std::string_view defines) {
 Pass Frame::trace(std::string_view name, gpu::TraceWay way, std::string_view defines) {
     const Pass::Kind kind = way == gpu::TraceWay::Pipeline ? Pass::Kind::Trace : Pass::Kind::Compute;
     return {*this, std::string(name), fmt::format("{}{}", gpu::trace_way_name(way), defines), kind};
+}
+
+std::vector<gpu::Image> Frame::written_images() const {
+    std::vector<gpu::Image> images;
+    for (const Record& record : records_)
+        for (const gpu::Image& image : record.images) {
+            const bool writes = std::ranges::find(record.info.writes, image.name()) != record.info.writes.end();
+            const bool is_new = std::ranges::none_of(images, [&](const gpu::Image& known) { return known.id() == image.id(); });
+            if (writes && is_new) images.push_back(image);
+        }
+    return images;
+}
+
+namespace {
+
+bool takes_the_same(const gpu::ShaderCode& a, const gpu::ShaderCode& b) {
+    const auto same_binding = [](const gpu::ShaderBinding& x, const gpu::ShaderBinding& y) {
+        return x.name == y.name && x.set == y.set && x.kind == y.kind && x.reads == y.reads && x.writes == y.writes;
+    };
+    const auto same_pointer = [](const gpu::PushPointer& x, const gpu::PushPointer& y) { return x.name == y.name && x.offset == y.offset && x.reads == y.reads && x.writes == y.writes; };
+    return a.push_bytes == b.push_bytes && std::ranges::equal(a.bindings, b.bindings, same_binding) && std::ranges::equal(a.push_pointers, b.push_pointers, same_pointer);
+}
+
+}  // namespace
+
+void Frame::use_pack(const gpu::ShaderPack& pack) {
+    PARHELION_CHECK(records_.empty(), "shaders change between two frames");
+    for (const ProgramKey& key : programs_) {
+        const auto program_of = [&](const gpu::ShaderPack& from) { return gpu::Program::get(device_, from, key.name, key.variant, key.ray_tracing, key.constant); };
+        if (!takes_the_same(program_of(*pack_).code(), program_of(pack).code()))
+            throw Error(ErrorCode::Failed, "it takes other resources than before", fmt::format("shader {} {}", key.name, key.variant), "build the program again, too");
+    }
+    pack_ = &pack;
 }
 
 void Frame::add(Record record) { records_.push_back(std::move(record)); }
@@ -186,8 +219,7 @@ void Frame::report_loss(const std::exception& cause) {
     std::string where = completed == 0 ? "before its first pass" : completed <= listing_.size() ? "after pass " + listing_[completed - 1].name : "after its last pass";
     for (InFlight& frame : in_flight_) frame.ticket = 0;
     const auto* error = dynamic_cast<const Error*>(&cause);
-    throw Error(ErrorCode::Failed, fmt::format("{}; the frame had come to {}", error ? error->problem : cause.what(), where), device_->caps().name,
-                "a smaller --size or another --device may work");
+    throw DeviceLost(fmt::format("{}; the frame had come to {}", error ? error->problem : cause.what(), where), device_->caps().name);
 }
 
 std::string Frame::listing(bool with_times) const { return list_passes(listing_, with_times); }

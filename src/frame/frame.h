@@ -189,6 +189,12 @@ public:
     void compact_blas(const gpu::AccelStruct& from, const gpu::AccelStruct& to);
     void build_tlas(const gpu::AccelStruct& tlas, const gpu::Buffer& instances, uint32_t count, std::span<const gpu::AccelStruct> bottoms);
 
+    // Images that passes recorded so far in this frame write, each once, in order: to look at.
+    std::vector<gpu::Image> written_images() const;
+    // Shaders of the passes from now on, which must outlive this; between two frames. Makes the programs of the passes recorded so far out of
+    // them at once, those of raster passes aside. Throws Error, and keeps the old ones, if one cannot be made or takes other resources than before.
+    void use_pack(const gpu::ShaderPack& pack);
+
     // Ends the frame by recording it into `commands`, in order, with barriers. The caller submits, and says with
     // retire(serial) that the GPU has finished the frame; until then its resources are kept. Returns the frame's serial.
     uint64_t record(gpu::CommandList& commands);
@@ -234,7 +240,7 @@ private:
 
     gpu::DevicePtr device_;
     FrameOptions options_;
-    const gpu::ShaderPack& pack_;
+    const gpu::ShaderPack* pack_;
     HazardTracker tracker_;
     std::vector<Record> records_;
     std::vector<std::shared_ptr<void>> kept_;
@@ -242,6 +248,14 @@ private:
     std::shared_ptr<Upload> upload_;  // of the last record, if that is one
     size_t upload_end_ = 0;           // records until then
     std::vector<InFlight> in_flight_;
+    // What Program::get was asked for.
+    struct ProgramKey {
+        std::string name, variant;
+        bool ray_tracing = false;
+        uint32_t constant = 0;
+        auto operator<=>(const ProgramKey&) const = default;
+    };
+    std::set<ProgramKey> programs_;
     std::map<std::string, gpu::Image> images_;
     std::map<std::string, gpu::Buffer> buffers_;
     std::map<std::string, uint64_t> history_written_;  // frame serial that last wrote each history

@@ -55,9 +55,11 @@ Pass& Pass::reach_written(std::span<const gpu::Buffer> buffers) {
 }
 
 const gpu::Program& Pass::program() {
-    if (!program_)
-        program_ = kind_ == Kind::Raster ? raster_program()
-                                         : gpu::Program::get(frame_.device_, frame_.pack_, name_, variant_, kind_ == Kind::Trace, scene_ ? scene_->bvh_variant : 0);
+    if (program_) return program_;
+    if (kind_ == Kind::Raster) return program_ = raster_program();
+    const Frame::ProgramKey key{name_, variant_, kind_ == Kind::Trace, scene_ ? scene_->bvh_variant : 0};
+    program_ = gpu::Program::get(frame_.device_, *frame_.pack_, key.name, key.variant, key.ray_tracing, key.constant);
+    frame_.programs_.insert(key);
     return program_;
 }
 

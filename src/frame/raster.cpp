@@ -11,7 +11,7 @@ using gpu::Use;
 Pass Frame::raster(std::string_view name, const gpu::RasterState& state, std::string_view defines) {
     Pass pass(*this, std::string(name), std::string(defines), Pass::Kind::Raster);
     pass.raster_state_ = state;
-    pass.raster_code_ = gpu::Program::raster_code(pack_, name, defines);
+    pass.raster_code_ = gpu::Program::raster_code(*pack_, name, defines);
     return pass;
 }
 
@@ -53,7 +53,7 @@ gpu::Program Pass::raster_program() const {
     gpu::RasterTarget formats;
     for (const gpu::RenderTarget::Color& color : target_.colors) formats.colors.push_back(color.image.desc().format);
     if (target_.depth) formats.depth = target_.depth.desc().format;
-    return gpu::Program::get_raster(frame_.device_, frame_.pack_, name_, variant_, raster_state_, formats);
+    return gpu::Program::get_raster(frame_.device_, *frame_.pack_, name_, variant_, raster_state_, formats);
 }
 
 // Draws from buffers, and attachments, which are read as well unless they are cleared. The depth buffer counts as written whatever the state says.

@@ -34,7 +34,7 @@ std::string_view result_name(VkResult result) {
 
 void check_result(VkResult result, const char* call, std::string_view where) {
     if (result == VK_SUCCESS) return;
-    if (result == VK_ERROR_DEVICE_LOST) throw Error(ErrorCode::Failed, "the device was lost", std::string(where), "a smaller --size or another --device may work");
+    if (result == VK_ERROR_DEVICE_LOST) throw DeviceLost("the device was lost", std::string(where));
     // "vk.vkCreateImage(device, ...)" -> "vkCreateImage"
     std::string_view name = call;
     name = name.substr(0, name.find('('));

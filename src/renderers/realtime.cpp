@@ -117,7 +117,8 @@ passes::LightPass Realtime::light_pass(Frame& frame, const SceneGpu& scene, gpu:
                          .tiles = options_.tiles,
                          .path_bounces = options_.path_bounces,
                          .follows = follows(scene) ? 1u : 0u,
-                         .reservoir_sets = reuse_ ? reservoir_sets(options_) : 0},
+                         .reservoir_sets = reuse_ ? reservoir_sets(options_) : 0,
+                         .later_candidates = options_.later_candidates},
             .band = {.first_row = 0, .row_count = traced(view).height, .first_sample = frame_index_, .sample_count = 1}};
 }
 

@@ -39,6 +39,7 @@ struct RealtimeOptions {
     GBufferMode gbuffer = GBufferMode::Auto;  // Raster needs SceneGpuOptions::raster, and a camera without a lens
     bool auto_draws = false;  // Auto is Raster while the camera has neither lens nor shutter, else Trace; false: Trace always
     uint32_t candidates = 8;  // light samples that the first surface's one is chosen from
+    uint32_t later_candidates = 4;  // and that later vertices' are; 0: one of all lights
     bool tiles = true;        // they come from light tiles; false: the light is sampled as by the reference
     bool cache = true;           // paths end in the world cache; false: they go to the view's depth
     uint32_t path_bounces = 3;   // reflections after which a path ends in the cache whatever it meets, but for glass
@@ -62,6 +63,7 @@ public:
     void set_frame_index(uint32_t index) { frame_index_ = index; }
     const passes::GBuffer& gbuffer() const { return gbuffer_; }
     const std::optional<LightCache>& cache() const { return cache_; }
+    gpu::Buffer reservoirs() const { return reuse_ ? reuse_->reservoirs : gpu::Buffer(); }  // passes::ReuseState
     // Of the coming frames; what is stored is rescaled.
     void set_exposure(float exposure) { options_.exposure = exposure; }
     // The coming frame has nothing to do with those before: a cut. A camera that turns by a right angle or more says so itself.

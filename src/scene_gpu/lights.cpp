@@ -46,7 +46,6 @@ double world_flux(const Scene& scene, const Mesh& mesh, uint32_t geometry, const
 
 constexpr uint32_t kMaxTableWidth = 1024, kMaxTableHeight = 512;
 
-enum : uint32_t { kOfInstance, kOfLight, kOfEnvironment };  // EmitterKey::kind
 
 }  // namespace
 

@@ -85,6 +85,10 @@ public:
     // Grows whenever binding() begins to show another scene: samples of different versions do not belong into one film.
     uint64_t version() const;
     const SceneGpuStats& stats() const;
+    // What rows of its tables are (AOV `ids`, light ids), in words for people: "instance 3 'Lamp', mesh 7 'Bulb'", "light 0 'Sun'".
+    std::string instance_text(uint32_t row) const;
+    std::string emitter_text(uint32_t row) const;
+    std::string material_text(uint32_t row) const;
     uint32_t features() const;  // shared::kScene...: what the shaders that draw binding() must know
 
     struct State;

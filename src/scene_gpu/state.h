@@ -134,8 +134,9 @@ struct InstanceRow {
 };
 
 // Which light a row of the emitter table is, in any frame. Rows are in this order, of the first three members.
+enum : uint32_t { kOfInstance, kOfLight, kOfEnvironment };  // EmitterKey::kind
 struct EmitterKey {
-    uint32_t kind;        // instance, light or environment
+    uint32_t kind;
     uint32_t index, part; // row of the instance and geometry of its mesh; slot of the light
     uint32_t generation;
     auto place() const { return std::tuple(kind, index, part); }

@@ -77,6 +77,8 @@ const OptionSpec kOptions[] = {
      .help = "the point that --look-from looks at (default: the middle of the scene)"},
     {.name = "--fov", .section = "Camera and time", .commands = kDraw, .kind = ValueKind::Number, .value = "DEG",
      .help = "vertical field of view in degrees", .min = 0.1, .max = 175},
+    {.name = "--ortho-height", .section = "Camera and time", .commands = kDraw, .kind = ValueKind::Number, .value = "METRES",
+     .help = "make the camera of --look-from orthographic: so much is in its picture from top to bottom", .min = 1e-6, .max = 1e9},
     {.name = "--fps", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "F",
      .help = "frames per second of the scene's clock; 0, the default, holds time", .min = 0, .max = 1e6},
     {.name = "--camera-path", .section = "Camera and time", .commands = kDraw, .kind = ValueKind::File, .value = "F.json",
@@ -160,9 +162,9 @@ const OptionSpec kOptions[] = {
     {.name = "--present", .section = "Window", .commands = kView, .kind = ValueKind::Choice, .value = "MODE", .fallback = "fifo",
      .help = "fifo waits for the display, so that nothing tears; mailbox draws as fast as it can", .choices = "fifo|mailbox"},
     {.name = "--script", .section = "Window", .commands = kView, .kind = ValueKind::Text, .value = "STEP,STEP,...",
-     .help = "do this by itself, then close: spp=N and frames=N wait, size=WxH, renderer=NAME, layer=NAME, camera=NAME, orbit=DEG, "
-             "set=KEY=VALUE, "
-             "reload, save",
+     .help = "do this by itself, then close: spp=N and frames=N wait; size=WxH, renderer=NAME, layer=NAME, image=NAME, camera=NAME, orbit=DEG, "
+             "time=T, play=on|off, set=KEY=VALUE, preset=NAME|FILE, denoise=NAME, split=0..1|off, drop=FILE, reload, shaders, device=NAME act as the "
+             "panels do; pick=X:Y and copy print what they find, focus=X:Y looks at a point, report tells how frames came, shot=F.png writes the window as it is; save",
      .bits = kNotInPreset},
 
     // Device and settings
@@ -177,7 +179,7 @@ const OptionSpec kOptions[] = {
     {.name = "--set", .section = "Device and settings", .commands = kDraw | kBench, .kind = ValueKind::Assignment,
      .value = "group.field=value",
      .help = "change one of the settings that `parhelion settings` lists", .bits = kRepeats},
-    {.name = "--preset", .section = "Device and settings", .commands = kRender, .kind = ValueKind::File, .value = "F.json",
+    {.name = "--preset", .section = "Device and settings", .commands = kDraw, .kind = ValueKind::File, .value = "F.json",
      .help = "take options from a file; environment and options win over it", .bits = kNotInPreset},
     {.name = "--print-settings", .section = "Device and settings", .commands = kRender,
      .help = "print all options as they would be used, in the form of a preset, and end", .bits = kNotInPreset},
@@ -304,7 +306,8 @@ constexpr NamedHelp kEnvironment[] = {
     {"PARHELION_OIDN", "the library of --denoise oidn (default: libOpenImageDenoise.so.2, where the system looks for libraries)"},
     {"NO_COLOR", "no colours on the terminal"},
     {"PARHELION_MASK", "for tests: what devices are taken not to have, a list: pipeline and query (ways to trace), raster, draw_count (draws of a counted length)"},
-    {"PARHELION_SHADER_DIR", "for tests: a folder with a shaders.pack that replaces the embedded one"},
+    {"PARHELION_SHADER_DIR", "a folder with a shaders.pack that replaces the embedded one; the viewer reads it again when it changes"},
+    {"PARHELION_SHADER_BUILD", "a line for the shell that makes that pack anew: what the viewer's key F6 runs"},
 };
 
 }  // namespace

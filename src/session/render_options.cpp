@@ -90,6 +90,9 @@ void read_view(const OptionValues& values, RenderOptions& options) {
     options.fov_degrees = read_optional_number(values, "--fov");
     if (options.look_at && !options.look_from)
         throw Error(ErrorCode::Usage, "it needs --look-from", values.where("--look-at"), "say where the camera is: --look-from x,y,z");
+    options.ortho_height = read_optional_number(values, "--ortho-height");
+    if (options.ortho_height && !options.look_from)
+        throw Error(ErrorCode::Usage, "it needs --look-from", values.where("--ortho-height"), "say where the camera is: --look-from x,y,z");
     if (options.look_from && options.look_from == options.look_at)
         throw Error(ErrorCode::Usage, "it is the same point as --look-from", values.where("--look-at"), "choose two different points");
     if (values.given("--camera-path")) options.camera_path = values.text("--camera-path");

@@ -53,6 +53,7 @@ struct RenderOptions {
     std::string camera;  // name or index; empty: the scene's first
     std::optional<std::array<double, 3>> look_from, look_at;
     std::optional<double> fov_degrees;  // vertical
+    std::optional<double> ortho_height;  // metres that the camera of look_from shows from top to bottom; none: it is perspective
     std::filesystem::path camera_path;  // file of a CameraPath; empty: none
     double shutter_seconds = 0;         // from load.time on
     double aperture_radius = 0;         // metres; 0: a pinhole

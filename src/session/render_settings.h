@@ -37,7 +37,7 @@ struct RenderSettings {
     ReuseOptions reuse;
     GBufferMode gbuffer_mode = GBufferMode::Auto;
     Switch realtime_cache = Switch::On, realtime_tiles = Switch::On;
-    uint32_t realtime_candidates = 8, realtime_path_bounces = 3, realtime_slots = 0;
+    uint32_t realtime_candidates = 8, realtime_later_candidates = 4, realtime_path_bounces = 3, realtime_slots = 0;
     CacheOptions cache;
     ReconstructionOptions reconstruction;
 };
@@ -123,6 +123,7 @@ void visit(V&& v, RenderSettings& s) {
     v.field("realtime.cache", s.realtime_cache, choices({"off", "on"}), "paths end in the world cache, or go to their full depth (--max-bounces)");
     v.field("realtime.tiles", s.realtime_tiles, choices({"off", "on"}), "the first surface's light is chosen among candidates out of light tiles, or sampled as by the reference");
     v.field("realtime.candidates", s.realtime_candidates, range(1, 64), "light samples that the first surface's one is chosen from");
+    v.field("realtime.later_candidates", s.realtime_later_candidates, range(0, 64), "light samples that one at later vertices is chosen from; 0: one of all lights");
     v.field("realtime.path_bounces", s.realtime_path_bounces, range(1, 64), "reflections after which a path ends in the cache whatever it meets, but for glass");
     v.field("realtime.slots", s.realtime_slots, range(0, 1 << 24), "paths at a time, in bands of whole rows; 0: as suits the device. Pictures do not depend on it");
     visit_cache(v, s.cache);
@@ -159,6 +160,7 @@ inline RealtimeOptions realtime_options(const RenderSettings& s, const gpu::Devi
             .gbuffer = s.gbuffer_mode,
             .auto_draws = may_draw_pixels(s, caps),
             .candidates = s.realtime_candidates,
+            .later_candidates = s.realtime_later_candidates,
             .tiles = s.realtime_tiles == Switch::On,
             .cache = s.realtime_cache == Switch::On,
             .path_bounces = s.realtime_path_bounces,

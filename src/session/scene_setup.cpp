@@ -71,6 +71,11 @@ CameraView choose_camera(const Scene& scene, const RenderOptions& options, std::
     if (options.look_from) {
         const glm::vec3 target = options.look_at ? vec(*options.look_at) : bounds.empty() ? glm::vec3(0.0f) : bounds.center();
         view = look_at(vec(*options.look_from), target, 0.8f);
+        if (options.ortho_height) {
+            const auto half = static_cast<float>(*options.ortho_height / 2);
+            view.orthographic = true;
+            view.half_extents = {half * aspect, half};
+        }
         description = "(--look-from)";
     } else if (const auto handle = scene_camera(scene, options)) {
         view = view_of(scene.get(*handle), aspect);

@@ -122,6 +122,7 @@ public:
         if (renderer_) renderer_->set_exposure(exposure);
     }
     bool has_preview() const override { return false; }
+    gpu::Buffer reservoirs() const override { return renderer_ ? renderer_->reservoirs() : gpu::Buffer(); }
 
 private:
     gpu::DevicePtr device_;

@@ -34,6 +34,8 @@ public:
     virtual void set_exposure(float) {}
     // False: its first frame is whole and fast enough, so that a camera's move needs no coarser picture in front of it.
     virtual bool has_preview() const { return true; }
+    // shared::PackedReservoir of each pixel, as the next frame finds them; null: it has none.
+    virtual gpu::Buffer reservoirs() const { return {}; }
 };
 
 constexpr double kDrawSeconds = 0.04;  // of the device's time, for a frame that a person waits for

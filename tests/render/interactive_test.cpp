@@ -1,6 +1,9 @@
 // A scene that a person looks at, frame by frame, without a window.
 #include "session/interactive.h"
 
+#include <chrono>
+#include <thread>
+
 #include "base/error.h"
 #include "image/decode.h"
 #include "image/film.h"
@@ -27,7 +30,9 @@ protected:
     // Frames until the picture rests; the last canvas.
     std::vector<uint8_t> draw(Interactive& session) {
         gpu::Buffer copy;
-        for (int frame = 0; frame < 2000; ++frame) {
+        const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(120);
+        while (std::chrono::steady_clock::now() < end) {
+            if (session.is_loading() || session.split) std::this_thread::sleep_for(std::chrono::milliseconds(1));
             const gpu::Image canvas = session.record();
             copy = session.frame().read_back(canvas);
             session.finish();
@@ -46,7 +51,7 @@ protected:
 };
 
 TEST_F(InteractiveScene, every_renderer_comes_to_rest_with_a_picture_and_the_same_one_again) {
-    Interactive session(cornell(3), device());
+    Interactive session(initial_state(cornell(3)), device());
     const std::vector<uint8_t> reference = draw(session);
     EXPECT_EQ(session.samples(), 3u);
     EXPECT_GT(mean(reference), 20.0);
@@ -80,12 +85,12 @@ TEST_F(InteractiveScene, a_picture_comes_to_rest_denoised_and_a_moved_camera_nev
         draw(session);
         return image::read_linear(folder.file(name));
     };
-    Interactive plain(options, device());
+    Interactive plain(initial_state(options), device());
     draw(plain);
     EXPECT_FALSE(plain.shows_denoised());
     const image::ImageF noisy = save(plain, "noisy.exr");
     options.denoise = DenoiseKind::Oidn;
-    Interactive session(options, device());
+    Interactive session(initial_state(options), device());
     const std::vector<uint8_t> canvas = draw(session);
     EXPECT_TRUE(session.shows_denoised());
     const image::ImageF clean = save(session, "clean.exr");
@@ -118,7 +123,7 @@ TEST_F(InteractiveScene, what_is_being_denoised_when_the_camera_moves_is_never_s
     const EnvironmentVariable library("PARHELION_OIDN", PARHELION_OIDN_STUB), slow("STUB_SECONDS", "0.03");
     RenderOptions options = cornell(4);
     options.denoise = DenoiseKind::Oidn;
-    Interactive session(options, device());
+    Interactive session(initial_state(options), device());
     for (int frame = 0; frame < 2000 && session.samples() < 4; ++frame) {
         session.record();
         session.finish();
@@ -143,9 +148,9 @@ TEST_F(InteractiveScene, what_is_being_denoised_when_the_camera_moves_is_never_s
 TEST_F(InteractiveScene, where_denoising_fails_the_noisy_picture_stays_and_a_line_says_why) {
     const EnvironmentVariable library("PARHELION_OIDN", PARHELION_OIDN_STUB), fails("STUB_FAILS", "memory");
     RenderOptions options = cornell(2);
-    Interactive plain(options, device());
+    Interactive plain(initial_state(options), device());
     options.denoise = DenoiseKind::Oidn;
-    Interactive session(options, device());
+    Interactive session(initial_state(options), device());
     EXPECT_EQ(draw(session), draw(plain));
     EXPECT_FALSE(session.shows_denoised());
     EXPECT_NE(session.note().find("not enough memory to denoise"), std::string::npos) << session.note();
@@ -153,7 +158,7 @@ TEST_F(InteractiveScene, where_denoising_fails_the_noisy_picture_stays_and_a_lin
 
 // What is refused leaves no trace.
 TEST_F(InteractiveScene, settings_that_do_not_fit_are_refused_and_change_nothing) {
-    Interactive session(cornell(2), device());
+    Interactive session(initial_state(cornell(2)), device());
     const std::vector<uint8_t> before = draw(session);
     RenderSettings settings = session.settings();
     settings.shade_in = ShadeIn::ClosestHit;  // needs --trace pipeline
@@ -172,7 +177,7 @@ TEST_F(InteractiveScene, settings_that_do_not_fit_are_refused_and_change_nothing
 
 // A layer is shown as it is: every white wall is as bright as its albedo says.
 TEST_F(InteractiveScene, layers_are_shown_without_exposure) {
-    Interactive session(cornell(2), device());
+    Interactive session(initial_state(cornell(2)), device());
     session.set_layer("albedo");
     const std::vector<uint8_t> dark = draw(session);
     session.show.exposure_ev = 12;
@@ -185,16 +190,162 @@ TEST_F(InteractiveScene, a_scene_that_cannot_be_read_again_stays_as_it_was) {
     TemporaryFolder folder;
     RenderOptions options = cornell(1);
     options.scene = folder.file("scene.glb");
-    Interactive missing(options, device());
+    Interactive missing(initial_state(options), device());
     EXPECT_THROW(draw(missing), Error);
 
     ASSERT_EQ(run_parhelion({"export", "builtin:cornell", "--out", options.scene}).exit_code, 0);
-    Interactive session(options, device());
+    Interactive session(initial_state(options), device());
     const std::vector<uint8_t> before = draw(session);
     std::filesystem::resize_file(options.scene, 100);
     session.reload();
     EXPECT_EQ(draw(session), before);
     EXPECT_NE(session.note().find("scene.glb"), std::string::npos) << session.note();
+}
+
+// The reference on both sides: the same samples, so nothing is between them.
+TEST_F(InteractiveScene, the_reference_beside_a_picture_is_that_picture_and_as_far_off_as_nothing) {
+    RenderOptions options = cornell(4);
+    Interactive plain(initial_state(options), device());
+    const std::vector<uint8_t> picture = draw(plain);
+    Interactive session(initial_state(options), device());
+    session.split = 0.5f;
+    const std::vector<uint8_t> both = draw(session);
+    EXPECT_EQ(session.reference_samples(), 4u);
+    constexpr size_t kWidth = 24, kLine = 12;
+    for (size_t i = 0; i < picture.size(); ++i) ASSERT_EQ(both[i], i / 4 % kWidth == kLine ? 255 : picture[i]) << i;
+    ASSERT_TRUE(session.difference());
+    EXPECT_EQ(session.difference()->flip, 0.0);
+    EXPECT_EQ(session.difference()->mean_ratio, 1.0);
+    session.split.reset();
+    EXPECT_EQ(draw(session), picture);
+}
+
+// Of a realtime picture it is the picture of `render --renderer reference --pixel-filter point`.
+TEST_F(InteractiveScene, the_reference_beside_a_realtime_picture_looks_through_the_same_points) {
+    RenderOptions options = cornell(3);
+    options.point_filter = true;
+    Interactive reference(initial_state(options), device());
+    const std::vector<uint8_t> picture = draw(reference);
+    options.renderer = RendererKind::Realtime;
+    Interactive session(initial_state(options), device());
+    session.split = 0.0f;
+    const std::vector<uint8_t> right = draw(session);
+    for (size_t i = 0; i < picture.size(); ++i) ASSERT_EQ(right[i], i / 4 % 24 == 0 ? 255 : picture[i]) << i;
+    ASSERT_TRUE(session.difference());
+    EXPECT_GT(session.difference()->flip, 0.0);
+}
+
+const std::string* row_of(const PixelReport& report, std::string_view section, std::string_view what) {
+    for (const PixelReport::Section& s : report.sections)
+        for (const auto& [name, value] : s.rows)
+            if (s.title.starts_with(section) && name == what) return &value;
+    return nullptr;
+}
+
+// The middle of the box's back wall, and what the first-hit layers of `render` say of the same pixel.
+TEST_F(InteractiveScene, a_pixel_is_looked_into) {
+    Interactive session(initial_state(cornell(2)), device());
+    const std::vector<uint8_t> before = draw(session);
+    session.pick({12, 4});
+    EXPECT_EQ(draw(session), before);
+    ASSERT_TRUE(session.picked());
+    const PixelReport& report = *session.picked();
+    EXPECT_EQ(report.pixel, glm::uvec2(12, 4));
+    EXPECT_TRUE(report.meets_surface);
+    const CameraView& view = session.camera().view();
+    const auto seen = session.camera().project(report.position_ws, 24.0f / 18.0f);
+    ASSERT_TRUE(seen);
+    EXPECT_NEAR(seen->x, 2 * 12.5f / 24 - 1, 1e-3f);
+    EXPECT_NEAR(seen->y, 1 - 2 * 4.5f / 18, 1e-3f);
+    EXPECT_GT(glm::dot(report.position_ws - view.position, view.forward), 0.0f);
+    ASSERT_GE(report.path_ws.size(), 2u);
+    EXPECT_EQ(report.path_ws[0], view.position);
+    EXPECT_LT(glm::distance(report.path_ws[1], report.position_ws), 1e-3f * glm::distance(view.position, report.position_ws));
+    for (const char* what : {"instance", "material", "depth", "albedo"}) EXPECT_NE(row_of(report, "surface", what), nullptr) << what;
+    EXPECT_NE(row_of(report, "light", "indirect_diffuse"), nullptr) << report.text();
+    EXPECT_EQ(row_of(report, "realtime", "rays"), nullptr);
+
+    session.set_renderer(RendererKind::Realtime);
+    RenderSettings settings = session.settings();
+    settings.realtime_reuse = RealtimeReuse::Full;
+    session.set_settings(settings);
+    draw(session);
+    session.pick({12, 4});
+    draw(session);
+    ASSERT_TRUE(session.picked());
+    for (const auto& [section, what] : {std::pair{"realtime", "rays"}, {"realtime", "light asked for"}, {"reservoir", "sample"}})
+        EXPECT_NE(row_of(*session.picked(), section, what), nullptr) << session.picked()->text();
+    const std::string* light = row_of(*session.picked(), "realtime", "light asked for");
+    EXPECT_NE(light->find("mesh"), std::string::npos) << *light;
+    session.pick({1000, 1000});  // past the edge: the last one
+    draw(session);
+    EXPECT_EQ(session.picked()->pixel, glm::uvec2(23, 17));
+}
+
+TEST_F(InteractiveScene, images_of_passes_are_shown_in_the_pictures_place) {
+    RenderOptions options = cornell(2);
+    options.renderer = RendererKind::Realtime;
+    Interactive session(initial_state(options), device());
+    const std::vector<uint8_t> picture = draw(session);
+    const std::vector<std::string> images = session.images();
+    for (const char* name : {"gbuffer/identity", "gbuffer/depth", "post/resolve.hdr"}) EXPECT_NE(std::ranges::find(images, name), images.end()) << name;
+    std::vector<uint8_t> seen;
+    for (const std::string& image : images) {
+        session.shown_image = image;
+        session.begin_anew();
+        seen = draw(session);
+        EXPECT_EQ(seen.size(), picture.size());
+        EXPECT_NE(seen, picture) << image;
+    }
+    session.shown_image.clear();
+    session.begin_anew();
+    EXPECT_EQ(draw(session), picture);
+}
+
+TEST_F(InteractiveScene, another_scene_and_environment_come_while_it_runs_and_broken_ones_do_not) {
+    TemporaryFolder folder;
+    Interactive session(initial_state(cornell(1)), device());
+    const std::vector<uint8_t> box = draw(session);
+    session.open_scene(folder.file("missing.glb"));
+    EXPECT_EQ(draw(session), box);
+    EXPECT_NE(session.note().find("missing.glb"), std::string::npos) << session.note();
+    EXPECT_EQ(session.options().scene, "builtin:cornell");
+    session.open_environment(folder.file("missing.hdr"));
+    EXPECT_EQ(draw(session), box);
+    EXPECT_NE(session.note().find("missing.hdr"), std::string::npos) << session.note();
+
+    session.open_scene("builtin:furnace");
+    const std::vector<uint8_t> furnace = draw(session);
+    EXPECT_EQ(session.options().scene, "builtin:furnace");
+    RenderOptions options = cornell(1);
+    options.scene = "builtin:furnace";
+    options.exposure_ev.reset();
+    Interactive fresh(initial_state(options), device());
+    EXPECT_EQ(draw(fresh), furnace);
+    session.open_scene("builtin:cornell");
+    session.show.exposure_ev = -1;
+    draw(session);
+    session.show.exposure_ev = -1;  // the scene's own was metered
+    EXPECT_EQ(draw(session), box);
+}
+
+TEST_F(InteractiveScene, the_clock_can_be_set_and_a_session_goes_on_with_the_state_of_another) {
+    RenderOptions options = cornell(1);
+    options.load.animate = "spin";
+    options.load.time = 1.5;
+    Interactive later(initial_state(options), device());
+    const std::vector<uint8_t> then = draw(later);
+    options.load.time = 0;
+    Interactive session(initial_state(options), device());
+    EXPECT_NE(draw(session), then);
+    session.set_time(1.5);
+    EXPECT_EQ(draw(session), then);
+    SteeredCamera camera = session.camera();
+    camera.look(0.1f, 0);
+    session.set_camera(camera);
+    const std::vector<uint8_t> turned = draw(session);
+    Interactive next(session.state(), device());
+    EXPECT_EQ(draw(next), turned);
 }
 
 }  // namespace

@@ -84,6 +84,39 @@ TEST(SteeredCamera, an_orthographic_one_shows_less_when_it_approaches_and_keeps_
     expect_near(camera.view().position, {0, 0, 4});
 }
 
+// What the viewer copies as options: from, at and the angle give the very camera.
+TEST(SteeredCamera, one_that_has_moved_is_the_camera_of_two_points) {
+    SteeredCamera camera(look_at({30, 4, -27}, {30.5f, 4, -26}, 0.8f), 0.01f);
+    EXPECT_FALSE(camera.has_moved());
+    const auto expect_two_points = [&] {
+        const CameraView again = look_at(camera.view().position, camera.aim(), camera.view().yfov);
+        EXPECT_EQ(camera.view().forward, again.forward);
+        EXPECT_EQ(camera.view().right, again.right);
+        EXPECT_EQ(camera.view().up, again.up);
+        EXPECT_TRUE(camera.has_moved());
+    };
+    camera.orbit(0.3f, 0.1f), expect_two_points();
+    camera.look(-0.7f, 0.2f), expect_two_points();
+    camera.pan(0.1f, -0.2f), expect_two_points();
+    camera.approach(0.001f), expect_two_points();
+    camera.fly({1, 2, 3}), expect_two_points();
+    camera.zoom(0.5f), expect_two_points();
+    const glm::vec3 before = camera.view().forward;
+    for (int i = 0; i < 1000; ++i) camera.fly({0, 0, 1e-3f});
+    EXPECT_GT(glm::dot(before, camera.view().forward), 1.0f - 1e-5f);  // and does not drift
+}
+
+TEST(SteeredCamera, looks_at_a_new_target_and_turns_about_it) {
+    SteeredCamera camera = camera_in_front();
+    camera.set_target({1, 1, 0});
+    expect_near(camera.view().position, {0, 0, 4});
+    expect_near(camera.target(), {1, 1, 0});
+    expect_near(camera.view().forward, glm::normalize(glm::vec3(1, 1, -4)));
+    expect_frame(camera.view());
+    camera.orbit(kQuarter, 0);
+    expect_near(camera.target(), {1, 1, 0});
+}
+
 TEST(SteeredCamera, orbits_begin_about_the_middle_of_the_scene_if_it_lies_ahead) {
     const Bounds box{.min = {-1, -1, -1}, .max = {1, 1, 1}};
     EXPECT_NEAR(orbit_distance(look_at({0, 0, 4}, {0, 0, 0}, 0.8f), box), 4.0f, 1e-5f);

@@ -82,5 +82,8 @@ cmd_view() {
     compgen -G "$root/src/app/view/*.cpp" >/dev/null || die "this tree has no viewer yet (src/app/view)"
     ensure_deps
     configure_and_build release parhelion-view
+    # The key F6 builds the shaders anew; the viewer then takes them.
+    export PARHELION_SHADER_DIR="$build_dir/release/shaders/shaders"
+    export PARHELION_SHADER_BUILD="cmake --build '$build_dir/release' --target shaders/shaders/shaders.pack"
     exec "$(program_path parhelion-view release)" "$@"
 }

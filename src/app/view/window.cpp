@@ -1,5 +1,7 @@
 #include "app/view/window.h"
 
+#include <algorithm>
+
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
@@ -36,6 +38,10 @@ Window::Window(Size2 size, const std::string& title) {
         const auto* window = static_cast<Window*>(glfwGetWindowUserPointer(handle));
         if (action != GLFW_RELEASE && window->on_key) window->on_key(key);
     });
+    glfwSetDropCallback(window_, [](GLFWwindow* handle, int count, const char** files) {
+        const auto* window = static_cast<Window*>(glfwGetWindowUserPointer(handle));
+        if (window->on_drop) window->on_drop({files, files + count});
+    });
 }
 
 Window::~Window() {
@@ -68,5 +74,25 @@ void Window::wait(double seconds) { glfwWaitEventsTimeout(seconds); }
 bool Window::is_closing() const { return glfwWindowShouldClose(window_) != 0; }
 void Window::close() { glfwSetWindowShouldClose(window_, GLFW_TRUE); }
 bool Window::is_down(int key) const { return glfwGetKey(window_, key) == GLFW_PRESS; }
+
+void Window::copy(const std::string& text) { glfwSetClipboardString(window_, text.c_str()); }
+
+glm::uvec2 Window::pointer() const {
+    double x = 0, y = 0;
+    int width = 1, height = 1;
+    glfwGetCursorPos(window_, &x, &y);
+    glfwGetWindowSize(window_, &width, &height);
+    const Size2 pixels = size();
+    const auto place = [](double at, int extent, uint32_t count) { return static_cast<uint32_t>(std::clamp(at / std::max(1, extent) * count, 0.0, std::max(1.0, double(count)) - 1)); };
+    return {place(x, width, pixels.width), place(y, height, pixels.height)};
+}
+
+float Window::panel_scale() const {
+    float x = 1, y = 1;
+    int width = 0, height = 0;
+    glfwGetWindowContentScale(window_, &x, &y);
+    glfwGetWindowSize(window_, &width, &height);
+    return static_cast<uint32_t>(width) == size().width ? std::max(1.0f, x) : 1.0f;
+}
 
 }  // namespace parhelion::view

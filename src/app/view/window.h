@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <glm/vec2.hpp>
+
 #include "base/parse.h"
 #include "gpu/vulkan_handles.h"
 
@@ -32,7 +34,12 @@ public:
     bool is_closing() const;
     void close();
     bool is_down(int key) const;  // GLFW_KEY_...
+    glm::uvec2 pointer() const;   // pixel of the framebuffer, inside it
+    // How much larger than usual panels must be for the display's many pixels; 1 where the window system enlarges by itself.
+    float panel_scale() const;
+    void copy(const std::string& text);  // to the clipboard
     std::function<void(int key)> on_key;  // pressed, also again and again while it is held
+    std::function<void(const std::vector<std::string>& files)> on_drop;
 
 private:
     GLFWwindow* window_ = nullptr;

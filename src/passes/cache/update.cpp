@@ -23,7 +23,7 @@ struct SelectPush {
 struct CandidatesPush {
     uint64_t cache, found, light_rays;
 };
-struct ExtendPush {
+struct CacheExtendPush {
     uint64_t cache, lists, rays, hits;
     uint32_t round;
 };
@@ -31,15 +31,15 @@ struct MeetPush {
     uint64_t view, cache, lists, rays, paths, hits, found;
     uint32_t round, rounds;
 };
-struct ConnectPush {
+struct CacheConnectPush {
     uint64_t view, cache, found, light_rays, passing;
 };
 struct BlendPush {
     uint64_t cache, found, passing;
 };
 
-constexpr uint32_t kTracingGroup = 64;    // scene/trace.glsl
-constexpr uint32_t kRowGroups = 1 << 15;  // below the 65,535 that every device takes
+constexpr uint32_t kCacheTracingGroup = 64;    // scene/trace.glsl
+constexpr uint32_t kCacheRowGroups = 1 << 15;  // below the 65,535 that every device takes
 
 void clear(Frame& frame, const LightCache& cache) {
     frame.upload(cache.buffer(), 0, std::as_bytes(std::span(&cache.layout(), 1)));
@@ -47,11 +47,11 @@ void clear(Frame& frame, const LightCache& cache) {
 }
 
 void plan(Frame& frame, gpu::TraceWay way, const LightCache& cache, const shared::CacheFrameData& data, uint32_t stage) {
-    const uint32_t tracing_group = way == gpu::TraceWay::Pipeline ? 1 : kTracingGroup;
+    const uint32_t tracing_group = way == gpu::TraceWay::Pipeline ? 1 : kCacheTracingGroup;
     frame.compute("cache/plan")
         .read_write("cache", cache.buffer())
         .write("sizes", cache.sizes())
-        .push(PlanPush{.frame = data, .stage = stage, .tracing_group = tracing_group, .row = kRowGroups})
+        .push(PlanPush{.frame = data, .stage = stage, .tracing_group = tracing_group, .row = kCacheRowGroups})
         .over(1);
 }
 
@@ -87,7 +87,7 @@ void extend(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const LightC
         .read("lists", cache.updates().lists)
         .read("rays", cache.updates().rays)
         .write("hits", cache.updates().hits)
-        .push(ExtendPush{.round = round})
+        .push(CacheExtendPush{.round = round})
         .over_indirect(cache.sizes(), size_at(shared::kCacheSizeExtend));
 }
 
@@ -113,7 +113,7 @@ void connect(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const Light
         .read("found", cache.updates().found)
         .read("light_rays", cache.updates().light_rays)
         .write("passing", cache.updates().passing)
-        .push(ConnectPush{})
+        .push(CacheConnectPush{})
         .over_indirect(cache.sizes(), size_at(shared::kCacheSizeConnect));
 }
 

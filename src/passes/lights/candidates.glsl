@@ -1,4 +1,4 @@
-// Light at a first surface: a few candidates, of which one is kept in proportion to about what it adds (Talbot et al. 2005, "Importance
+// Light at a vertex: a few candidates, of which one is kept in proportion to about what it adds (Talbot et al. 2005, "Importance
 // Resampling for Global Illumination"; Bitterli et al. 2020). Candidates are judged by what a tile tells of them, or, without tiles, by
 // themselves; the one that is kept is made again at full precision, so that coarse codes cost variance and no bias.
 #ifndef PARHELION_LIGHTS_CANDIDATES_GLSL
@@ -8,7 +8,7 @@
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Tiles { TileSample v[]; };
 
-const uint kCandidateSalt = 0x43414E44u;
+const uint kCandidateSalt = 0x43414E44u, kMostCandidates = 64u;
 
 // About what a candidate adds: luminance of BSDF, cosine, light over density, with the weight of MIS. Positive where that is.
 float candidate_target(ViewData view, Shading shading, TileView candidate, float bsdf_share) {
@@ -26,12 +26,13 @@ struct Candidate {
     float scale;  // mean of the targets over the one of this; 0: none
 };
 
-Candidate choose_candidate(ViewData view, PathKey key, Shading shading, Tiles tiles, uint count) {
+// `bounce`: of the vertex; each has candidates of its own.
+Candidate choose_candidate(ViewData view, PathKey key, Shading shading, uint bounce, Tiles tiles, uint count) {
     Candidate kept = Candidate(0u, kNone, 0u, 0.0);
     const uint tile = tile_of(key.pixel, key.sample_index, key.seed);
     float sum = 0.0, kept_target = 0.0;
     for (uint i = 0u; i < count; ++i) {
-        const uvec4 h = pcg4d(uvec4(key.pixel, key.sample_index, hash_combine(key.seed ^ kCandidateSalt, i)));
+        const uvec4 h = pcg4d(uvec4(key.pixel, key.sample_index, hash_combine(key.seed ^ kCandidateSalt, i + kMostCandidates * bounce)));
         const uint place = tile * kTileSamples + h.x % kTileSamples;
         const TileSample candidate = tiles.v[place];
         if (candidate.bits >> kTileKindShift == kTileNone) continue;

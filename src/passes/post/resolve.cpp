@@ -14,8 +14,8 @@ float gain_of(uint64_t samples, float gain) { return samples == 0 ? 0.0f : gain 
 
 }  // namespace
 
-gpu::Image resolve(Frame& frame, const gpu::Buffer& sums, const gpu::Buffer& block, uint32_t width, uint32_t height, const Shown& shown) {
-    const gpu::Image hdr = frame.image("post/resolve.hdr", {width, height}, gpu::Format::Rgba32Float);
+gpu::Image resolve(Frame& frame, const gpu::Buffer& sums, const gpu::Buffer& block, uint32_t width, uint32_t height, const Shown& shown, const std::string& name) {
+    const gpu::Image hdr = frame.image(name, {width, height}, gpu::Format::Rgba32Float);
     frame.compute("post/resolve")
         .read("sums", sums)
         .read("block", block)

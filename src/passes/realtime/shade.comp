@@ -1,6 +1,6 @@
 #version 460
-// Shades a vertex of each listed path: what arrives there, which light it asks for, where it goes on. At the first surface the light is one
-// sample out of several; after it paths end in the world cache (CACHE), in the sky, or by themselves. Without the cache this is the
+// Shades a vertex of each listed path: what arrives there, which light it asks for, where it goes on. The light is one sample out of
+// several, more of them at the first surface than later; behind it paths end in the world cache (CACHE), in the sky, or by themselves. Without the cache this is the
 // reference's estimate, and without light tiles too it has the reference's samples of the frame's index.
 // Scenes of layered materials (glass, coats, sheen) have two kernels: PLAIN+LAYERS for surfaces that are plain.
 // Reads: scene, view, identity (what paths meet first), hits (later), lists (a kernel's), tiles. Reads and writes: control, lists (rays),
@@ -72,14 +72,18 @@ vec3 from_cache = vec3(0.0);  // what the vertex got from there
 #include "realtime/share.glsl"
 #endif
 
+// Light samples that a vertex' one is chosen from; 0: it is one of all lights.
+uint candidates_at(bool first) { return push.frame.tiles == 0u ? 0u : first ? push.frame.candidates : push.frame.later_candidates; }
+
 NextEvent ask_for_light(ViewData view, PathKey key, PathState path, Shading shading, VertexNumbers u, bool first) {
     const uint shadow_key = alpha_key(key, path.path_class.bounce, kRayShadow);
-    const bool resampled = first && push.frame.tiles != 0u;
+    const uint candidates = candidates_at(first);
+    const bool resampled = candidates != 0u;
     vec4 u_light = u.light;
     Candidate kept = Candidate(0u, kNone, 0u, 1.0);
     LightPick pick;
     if (resampled) {
-        kept = choose_candidate(view, key, shading, push.tiles, push.frame.candidates);
+        kept = choose_candidate(view, key, shading, path.path_class.bounce, push.tiles, candidates);
         pick = LightPick(kept.emitter, kept.triangle, kept.scale > 0.0 ? pick_probability(kept.emitter, kept.triangle) : 0.0);
         u_light = tile_numbers(kept.place, key.sample_index, key.seed, 1u);
     } else pick = pick_light(shading.s.position_ws, shading.s.n_geometric_ws, u.pick);
@@ -92,8 +96,11 @@ NextEvent ask_for_light(ViewData view, PathKey key, PathState path, Shading shad
     }
 #endif
     const LightSample light = sample_light(pick, shading.s.position_ws, u_light);
-    NextEvent event = next_event(view, path, shading, light, resampled ? 1.0 / float(push.frame.candidates) : 1.0, shadow_key);
-    if (resampled) event.value = scale(event.value, vec3(kept.scale));
+    NextEvent event = next_event(view, path, shading, light, resampled ? 1.0 / float(candidates) : 1.0, shadow_key);
+    if (resampled) {
+        event.value = scale(event.value, vec3(kept.scale));
+        event.light *= kept.scale;
+    }
 #ifdef REUSE
     if (asked.kind != kSampleNone && of_sky) asked = sample_of_direction(kSampleSky, pick.emitter, event.ray.direction_ws, light.radiance);
     if (asked.kind != kSampleNone) asked_density = (of_sky ? light.pdf : pick.probability) / kept.scale;
@@ -152,7 +159,7 @@ void scatter_at(ViewData view, PathKey key, Shading shading, VertexNumbers u, in
     note_scattering(path, shading, factor, ended ? density : path.pdf, second_diffuse);
 #endif
     // One BSDF sample stands against all candidates.
-    if (first && push.frame.tiles != 0u && path.pdf > 0.0) path.pdf /= float(push.frame.candidates);
+    if (candidates_at(first) != 0u && path.pdf > 0.0) path.pdf /= float(candidates_at(first));
 }
 
 // The path that a slot has, and what it met.

@@ -12,18 +12,18 @@ namespace {
 struct GeneratePush {
     uint64_t view, control, lists, rays, paths, extras, slots, status;
 };
-struct ExtendPush {
+struct WavefrontExtendPush {
     uint64_t control, lists, rays, hits;
 };
-struct SortPush {
+struct WavefrontSortPush {
     uint64_t control, lists, hits;
     uint32_t only_plain;
 };
-struct ShadePush {
+struct WavefrontShadePush {
     uint64_t view, control, lists, shadow_list, rays, hits, paths, extras, slots, status, vertices, shadow_rays, splits, firsts;
     uint32_t has_firsts, list, round, round_length;
 };
-struct ConnectPush {
+struct WavefrontConnectPush {
     uint64_t control, shadow_list, shadow_rays, vertices, splits;
 };
 struct ConnectPanesPush {
@@ -81,7 +81,7 @@ void shade_class(const WavefrontPass& pass, const std::string& defines, uint32_t
         .write("shadow_rays", state.shadow_rays)
         .read_write("splits", state.splits)
         .read_write("firsts", state.firsts)
-        .push(ShadePush{.has_firsts = state.shape.firsts, .list = list, .round = pass.round, .round_length = state.shape.round_length});
+        .push(WavefrontShadePush{.has_firsts = state.shape.firsts, .list = list, .round = pass.round, .round_length = state.shape.round_length});
     over(pass, kernel, size, pass.slots);
 }
 
@@ -124,7 +124,7 @@ void extend(const WavefrontPass& pass) {
         .read("lists", state.lists)
         .read("rays", state.rays)
         .write("hits", state.hits)
-        .push(ExtendPush{});
+        .push(WavefrontExtendPush{});
     over(pass, kernel, shared::kListRays, pass.slots);
 }
 
@@ -135,7 +135,7 @@ void sort_hits(const WavefrontPass& pass) {
         .read_write("control", pass.state.control)
         .read_write("lists", pass.state.lists)
         .read("hits", pass.state.hits)
-        .push(SortPush{.only_plain = only_plain});
+        .push(WavefrontSortPush{.only_plain = only_plain});
     over(pass, kernel, shared::kSizeHits, pass.slots);
 }
 
@@ -151,7 +151,7 @@ void shade(const WavefrontPass& pass) {
 void connect(const WavefrontPass& pass) {
     const bool panes = (pass.scene.features() & shared::kScenePanes) != 0;
     Pass kernel = pass.frame.trace("wavefront/connect", pass.way, panes ? "+PANES" : "");
-    bind_shadow_rays(pass, kernel).push(ConnectPush{});
+    bind_shadow_rays(pass, kernel).push(WavefrontConnectPush{});
     over_shadow_rays(pass, kernel);
     if (!panes) return;
     Pass through = pass.frame.trace("wavefront/connect_panes", pass.way);

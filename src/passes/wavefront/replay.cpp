@@ -10,7 +10,7 @@ struct DumpPush {
     uint64_t control, dump, lists_or_shadow_list, rays_or_shadow_rays;
     uint32_t list;
 };
-struct ReplayPush {
+struct WavefrontReplayPush {
     uint64_t control, dump, hits;
     uint32_t list;
 };
@@ -37,7 +37,7 @@ void replay_rays(const WavefrontPass& pass, WavefrontTraced what, const gpu::Buf
         .read("control", pass.state.control)
         .read("dump", dump)
         .write("hits", hits)
-        .push(ReplayPush{.list = list_of(what)});
+        .push(WavefrontReplayPush{.list = list_of(what)});
     if (pass.state.shape.indirect) kernel.over_indirect(pass.state.sizes, list_of(what) * sizeof(shared::WavefrontSize));
     else kernel.over_all(most_rays(pass.state.shape, what));
 }

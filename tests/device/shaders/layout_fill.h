@@ -155,7 +155,7 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontFirst) v) { F(al
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(WavefrontSize) v) { F(x) F(y) F(z) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(TileSample) v) { F(place_ws) F(normal) F(bits) F(inverse_pdf) F(emitter) F(triangle) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(PackedLight) v) { F(low) F(high) }
-SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(RealtimeFrame) v) { F(frame_index) F(exposure) F(candidates) F(tiles) F(path_bounces) F(follows) F(reservoir_sets) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(RealtimeFrame) v) { F(frame_index) F(exposure) F(candidates) F(tiles) F(path_bounces) F(follows) F(reservoir_sets) F(later_candidates) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(LightPath) v) {
     F(throughput) F(pdf) F(diffuse_share) F(travelled) F(cone_width) F(cone_spread) F(way) F(lobes)
 }
