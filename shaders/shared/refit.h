@@ -28,5 +28,11 @@ struct RefitJob {
     uint part, scratch;
 };
 
+// A geometry whose boxes are measured (scene_gpu/decay.comp): addresses of vec3[] and uvec3[].
+struct DecayJob {
+    uint64_t positions, indices;
+    uint triangle_count;
+};
+
 SHARED_END
 #endif

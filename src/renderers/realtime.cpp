@@ -118,8 +118,14 @@ passes::LightPass Realtime::light_pass(Frame& frame, const SceneGpu& scene, gpu:
                          .path_bounces = options_.path_bounces,
                          .follows = follows(scene) ? 1u : 0u,
                          .reservoir_sets = reuse_ ? reservoir_sets(options_) : 0,
-                         .later_candidates = options_.later_candidates},
+                         .later_candidates = later_candidates(scene)},
             .band = {.first_row = 0, .row_count = traced(view).height, .first_sample = frame_index_, .sample_count = 1}};
+}
+
+// Where lights are few, one of all of them is nearly as good and costs less.
+uint32_t Realtime::later_candidates(const SceneGpu& scene) const {
+    constexpr uint32_t kLightsACandidate = 16;
+    return scene.stats().emitters >= kLightsACandidate * options_.later_candidates ? options_.later_candidates : 0;
 }
 
 template <class Do>

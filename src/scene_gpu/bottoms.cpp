@@ -150,16 +150,19 @@ void SceneGpu::State::build_driver_bottoms(Frame& frame, Slice& slice) {
         mesh.blas = {};
         if (!slice.has_triangles() || scratch > 4 * options.slice_bytes) continue;
         gpu::BlasBuild build = make_build(mesh, flags);
+        bool is_base = false;  // others will be refitted from it
         if (mesh.rest && same_triangles(source, scene->get(mesh.rest))) {
             const MeshOnDevice& rest = meshes.at(mesh.rest);
             if (!rest.blas) continue;
-            if (rest.opaque == flags.opaque) build.refit_from = rest.blas;
+            is_base = rest.rebuild_driver;
+            if (rest.opaque == flags.opaque && !is_base) build.refit_from = rest.refit_base ? rest.refit_base : rest.blas;
         }
-        const bool deforming = mesh.has_forms || build.refit_from;
+        const bool deforming = mesh.has_forms || is_base || build.refit_from;
         build.blas = mesh.blas = gpu::AccelStruct::bottom(device, "accel/bottom", build.geometries, deforming ? gpu::BlasClass::Deforming : gpu::BlasClass::Static);
         mesh.opaque = std::move(flags.opaque);
         mesh.cull_by_flag = flags.cull_by_flag;
         mesh.built_bytes = mesh.blas.bytes();
+        if (is_base) rebase_refits(meshes.at(mesh.rest), mesh);
         scratch += mesh.blas.scratch_bytes();
         slice.take_triangles(mesh.triangle_count);
         if (!deforming) {
@@ -174,6 +177,12 @@ void SceneGpu::State::build_driver_bottoms(Frame& frame, Slice& slice) {
     measurement.sizes = gpu::AccelSizes(device, static_cast<uint32_t>(measurement.built.size()));
     frame.measure_blas(measurement.built, measurement.sizes);
     measurements.push_back(std::move(measurement));
+}
+
+void SceneGpu::State::rebase_refits(MeshOnDevice& rest, const MeshOnDevice& form) {
+    rest.refit_base = form.blas;
+    rest.rebuild_driver = false;
+    note_rebuilt(rest);
 }
 
 // The frame that asked for the sizes is done when it no longer holds what they are written to.

@@ -72,6 +72,8 @@ void SceneGpu::State::plan_refits(Frame& frame, Slice& slice) {
             plan.host = std::make_unique<bvh::RefitPlan>(bvh::plan_refit(bottom_geometries(scene->get(handle)), layout));
             stats.own_build_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
             slice.take_triangles(mesh.triangle_count);
+        }
+        if (plan.node_count == 0) {
             plan.node_count = plan.host->nodes.size();
             plan.triangle_count = plan.host->triangles.size();
             plan.nodes = plan_nodes.take(frame, plan.node_count);

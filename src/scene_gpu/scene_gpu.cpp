@@ -67,6 +67,9 @@ bool SceneGpu::State::advance(Frame& frame, Slice& slice) {
         upload_meshes(frame, slice);
         upload_deformers(frame, slice);
         deform_meshes(frame, slice);
+        read_decay();
+        measure_decay(frame);
+        replan_refits(slice);
         build_own_bottoms(frame, slice);
         plan_refits(frame, slice);
         refit_own_bottoms(frame, slice);
@@ -98,6 +101,7 @@ void SceneGpu::State::begin_anew() {
     geometry_rows = FreeRanges(1ull << 32);
     meshes.clear();
     measurements.clear();
+    decay_readings.clear();
     images.clear();
     environment_image = {};
     geometries.clear();

@@ -37,6 +37,8 @@ struct SceneGpuStats {
     uint64_t triangles = 0, instanced_triangles = 0, emissive_triangles = 0;
     uint32_t meshes = 0, instances = 0, materials = 0, textures = 0, emitters = 0;
     uint32_t instance_rows = 0;  // of the table of instances, free ones too
+    double tree_decay = 1;         // of the deformed form measured last: how loosely boxes fit it, over what it was when its mesh's tree was made
+    uint32_t rebuilt_trees = 0;    // of deforming meshes, made anew because they had become loose (scene_gpu/decay.cpp)
     uint32_t own_top_refits = 0;   // how often the tree of our top level has got new boxes since it was built (bvh/moving_top.h)
     double own_build_seconds = 0;  // host time of our bottom levels
     double own_top_seconds = 0;    // and of the newest top level

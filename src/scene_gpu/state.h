@@ -57,6 +57,12 @@ struct MeshOnDevice {
     bool has_forms = false;  // wanted meshes are deformed forms of it
     bool drawn = false;      // by an instance; else it is wanted for its forms
     RefitPlanOnDevice plan;
+    // How loosely boxes fit around it (decay.cpp): of a mesh with forms that of the shape which their trees were made for, 0: not known yet.
+    double looseness = 0;
+    bool base_asked = false, tree_of_form = false;  // it is being measured; that shape is a form's
+    bool rebuild_own = false, rebuild_driver = false;
+    uint32_t forms_made = 0, forms_at_rebuild = 0;
+    bool looked_at = false;  // a form: it has been measured or passed over
     std::vector<PartOnDevice> parts;
     bool made_here = false;  // a form that the device makes (Mesh::deformation)
     bool has_made = false;   // some of its forms are
@@ -71,6 +77,7 @@ struct MeshOnDevice {
 
     // The driver's bottom level, and what it was built for.
     gpu::AccelStruct blas;
+    gpu::AccelStruct refit_base;  // of a mesh with forms: what they are refitted from where that is a form's
     std::vector<bool> opaque;  // by part: to the driver
     bool cull_by_flag = false;  // every geometry single-sided: the driver culls
     uint64_t built_bytes = 0;   // before compaction
@@ -88,6 +95,17 @@ struct Measurement {
     gpu::AccelSizes sizes;
     std::vector<Handle<Mesh>> meshes;
     std::vector<gpu::AccelStruct> built;  // a mesh may have another by then
+};
+
+// Areas that the device is about to tell (decay.cpp).
+struct DecayReading {
+    struct Form {
+        Handle<Mesh> rest;
+        size_t first, count;  // clusters
+        bool is_base;
+    };
+    gpu::Buffer areas;
+    std::vector<Form> forms;
 };
 
 // Which light of an emissive geometry comes from which triangle, in object space. Exists just if some triangle can shine.
@@ -192,6 +210,7 @@ struct SceneGpu::State {
     // refit.cpp
     RowArray plan_nodes, plan_triangles;
     std::vector<Measurement> measurements;
+    std::vector<DecayReading> decay_readings;
     // materials.cpp
     std::unordered_map<uint64_t, ImageOnDevice> images;  // by image_key()
     std::unordered_set<Handle<Texture>> drawn_textures;  // textures that shaders read; the others stay on the host
@@ -268,6 +287,11 @@ struct SceneGpu::State {
     };
     std::vector<OwnTree> build_own_trees(Slice& slice);
     void take_own_rows(Frame& frame, MeshOnDevice& mesh, uint64_t nodes, uint64_t triangles);
+    void measure_decay(Frame& frame);
+    void read_decay();
+    void replan_refits(Slice& slice);
+    void note_rebuilt(MeshOnDevice& rest);
+    void rebase_refits(MeshOnDevice& rest, const MeshOnDevice& form);
     void plan_refits(Frame& frame, Slice& slice);
     void refit_own_bottoms(Frame& frame, Slice& slice);
     void build_driver_bottoms(Frame& frame, Slice& slice);

@@ -239,6 +239,54 @@ TEST_F(DeviceDeforms, pictures_are_those_of_the_same_shapes_in_place) {
     }
 }
 
+// A thousand leaves that lie beside each other and then fly where others were: what was near is far apart, so the tree of the mesh at rest has
+// become bad, and is made anew once. Wherever leaves are then, rays meet them as in a scene that was built so.
+TEST_F(DeviceDeforms, a_tree_that_no_longer_fits_is_made_anew_of_the_form) {
+    constexpr uint32_t kSide = 32;
+    SceneEdit edit;
+    Primitive leaves;
+    std::vector<glm::vec3> places;
+    for (uint32_t i = 0; i < kSide * kSide; ++i) places.push_back(glm::vec3(float(i % kSide), float(i / kSide), 0) / float(kSide) - glm::vec3(0.5f, 0.5f, 0.0f));
+    builtin::Random random(5u);
+    std::vector<glm::vec3> shuffled = places;
+    for (size_t i = shuffled.size() - 1; i > 0; --i) std::swap(shuffled[i], shuffled[size_t(random.range(0.0f, float(i) + 0.999f))]);
+    leaves.targets.resize(1);
+    for (size_t i = 0; i < places.size(); ++i) {
+        const auto first = static_cast<uint32_t>(leaves.positions.size());
+        for (const glm::vec3& corner : {glm::vec3(0), glm::vec3(0.02f, 0, 0.01f), glm::vec3(0, 0.02f, 0)}) {
+            leaves.positions.push_back(places[i] + corner);
+            leaves.normals.push_back({0, 0, 1});
+            leaves.targets[0].positions.push_back(shuffled[i] + glm::vec3(0, 0, random.range(-0.2f, 0.2f)) - places[i]);
+        }
+        leaves.triangles.push_back({first, first + 1, first + 2});
+    }
+    leaves.material = edit.add(Material{.name = "leaf", .base_color = glm::vec4(0.5f), .double_sided = true});
+    Mesh mesh{.name = "leaves"};
+    mesh.primitives.push_back(std::move(leaves));
+    const Handle<Node> node = edit.add(Node{});
+    edit.add(Instance{.mesh = edit.add(std::move(mesh)), .place = {.node = node}});
+    edit.add(Animation{.channels = {{.node = node, .path = AnimatedPath::Weights, .width = 1, .times = {0, 1, 10}, .values = {0, 1, 1.05f}}}});
+    edit.set_environment({.scale = glm::vec3(1.0f)});
+    Stage stage(make_scene(std::move(edit)));
+    const Shot shot{.view = {.width = kSize, .height = kSize, .max_bounces = 2, .filter = PixelFilter::Point}, .camera = look_at({0, 0, 1.6f}, {0, 0, 0}, 0.7f), .sample_count = 1};
+    double worst = 0;
+    for (int frame = 0; frame < 56; ++frame) {
+        stage.step(pose_at(stage.scene, 0.3 + 0.05 * frame));
+        worst = std::max(worst, stage.scene_gpu.stats().tree_decay);
+    }
+    EXPECT_GT(worst, 5.0);
+    EXPECT_LT(stage.scene_gpu.stats().tree_decay, 1.1);
+    const uint32_t structures = 1u + uint32_t(device()->caps().supports(gpu::TraceWay::Query));  // ours, and the driver's
+    EXPECT_EQ(stage.scene_gpu.stats().rebuilt_trees, structures);
+    Stage built(in_place(stage.scene));
+    for (const gpu::TraceWay way : kWays) {
+        if (!device()->caps().supports(way)) continue;
+        Shot of_way = shot;
+        of_way.way = way;
+        EXPECT_GT(share_equal(stage.picture(of_way), built.picture(of_way)), 0.99) << gpu::trace_way_name(way);
+    }
+}
+
 // A lamp that grows gives more light, and its triangles are chosen by the areas that they have now.
 TEST_F(DeviceDeforms, lamps_and_their_light) {
     SceneEdit edit;
