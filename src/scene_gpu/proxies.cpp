@@ -16,6 +16,7 @@ namespace {
 constexpr size_t kHeightGrain = 1024;
 // How far off a proxy is looked for: error quadrics know a mean, of which single points were found to be up to ten times as far.
 constexpr float kReachOverMean = 16.0f, kReachOverLimit = 4.0f;
+constexpr float kBetweenPoints = 1.25f;  // what it may rise more between the points where that is measured
 
 glm::vec3 cross_of(const std::vector<glm::vec3>& positions, glm::uvec3 t) { return glm::cross(positions[t.y] - positions[t.x], positions[t.z] - positions[t.x]); }
 
@@ -47,27 +48,44 @@ private:
 // The upper half of a float, rounded up.
 uint32_t upper_half(float value) { return (std::bit_cast<uint32_t>(value) + 0xFFFFu) >> 16; }
 
-// Proxy::heights of one triangle, by its corners, the middles of its edges and its own.
-uint32_t heights_over(const ProxySurface& proxy, glm::vec3 a, glm::vec3 b, glm::vec3 c, float reach) {
-    const glm::vec3 normal = glm::cross(b - a, c - a);
-    const float length = glm::length(normal);
-    if (!(length > 0.0f)) return 0;
-    const glm::vec3 n = normal / length;
+// How far a proxy rises over a point along the surface's normal, and along the opposite.
+struct Rise {
     float before = 0.0f, behind = 0.0f;
-    for (const glm::vec3 point : {a, b, c, 0.5f * (a + b), 0.5f * (b + c), 0.5f * (c + a), (a + b + c) / 3.0f}) {
-        before = std::max(before, proxy.distance(point, n, reach, true));
-        behind = std::max(behind, proxy.distance(point, -n, reach, false));
-    }
-    return upper_half(before) << 16 | upper_half(behind);
+};
+Rise highest(const Rise& a, const Rise& b) { return {std::max(a.before, b.before), std::max(a.behind, b.behind)}; }
+uint32_t pack_rise(const Rise& rise) { return upper_half(kBetweenPoints * rise.before) << 16 | upper_half(kBetweenPoints * rise.behind); }
+
+// `normal` has any length; none without one.
+Rise rise_over(const ProxySurface& proxy, glm::vec3 point, glm::vec3 normal, float reach) {
+    const float length = glm::length(normal);
+    if (!(length > 0.0f)) return {};
+    const glm::vec3 n = normal / length;
+    return {proxy.distance(point, n, reach, true), proxy.distance(point, -n, reach, false)};
 }
 
+// Over each vertex, along the mean normal of its triangles. Where a surface has an edge, each side has vertices of its own.
+std::vector<Rise> rise_over_vertices(const Primitive& primitive, const ProxySurface& proxy, float reach) {
+    std::vector<glm::vec3> normals(primitive.positions.size(), glm::vec3(0.0f));
+    for (const glm::uvec3& t : primitive.triangles)
+        for (int corner = 0; corner < 3; ++corner) normals[t[corner]] += cross_of(primitive.positions, t);
+    std::vector<Rise> rises(normals.size());
+    parallel_for(rises.size(), kHeightGrain, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) rises[i] = rise_over(proxy, primitive.positions[i], normals[i], reach);
+    });
+    return rises;
+}
+
+// Proxy::heights: the most of a triangle's corners and its middle.
 std::vector<uint32_t> measure_heights(const Primitive& primitive, const std::vector<glm::uvec3>& triangles, float reach) {
     const ProxySurface proxy(primitive.positions, triangles);
+    const std::vector<Rise> corners = rise_over_vertices(primitive, proxy, reach);
     std::vector<uint32_t> heights(primitive.triangles.size());
     parallel_for(heights.size(), kHeightGrain, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
             const glm::uvec3 t = primitive.triangles[i];
-            heights[i] = heights_over(proxy, primitive.positions[t.x], primitive.positions[t.y], primitive.positions[t.z], reach);
+            const glm::vec3 middle = (primitive.positions[t.x] + primitive.positions[t.y] + primitive.positions[t.z]) / 3.0f;
+            const Rise rise = rise_over(proxy, middle, cross_of(primitive.positions, t), reach);
+            heights[i] = pack_rise(highest(rise, highest(corners[t.x], highest(corners[t.y], corners[t.z]))));
         }
     });
     return heights;
