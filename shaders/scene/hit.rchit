@@ -5,14 +5,15 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_ray_tracing : require
 #include "scene/payload.glsl"
-#include "scene/scene.glsl"
+#include "scene/proxy.glsl"
 
 layout(location = 0) rayPayloadInEXT ClosestPayload payload;
 hitAttributeEXT vec2 barycentrics;
 
 Hit this_hit() {
     const uint instance = gl_InstanceCustomIndexEXT;
-    return Hit(instance | ((scene_instance(instance).flags & kInstanceDeforms) << 30), gl_GeometryIndexEXT, gl_PrimitiveID, packUnorm2x16(barycentrics), gl_HitTEXT);
+    return Hit(instance | ((scene_instance(instance).flags & kInstanceDeforms) << 30), gl_GeometryIndexEXT, traced_primitive(instance, gl_GeometryIndexEXT, gl_PrimitiveID),
+               packUnorm2x16(barycentrics), gl_HitTEXT);
 }
 
 #ifdef SHADE_IN_HIT

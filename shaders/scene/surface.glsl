@@ -7,6 +7,7 @@
 #include "lib/geometry.glsl"
 #include "lib/ray_triangle.glsl"
 #include "scene/previous.glsl"
+#include "scene/proxy.glsl"
 #include "scene/ray.glsl"
 
 struct Surface {
@@ -137,6 +138,9 @@ Surface fetch_surface_at(Hit hit, Ray ray, RayCone cone, uint moment) {
     s.double_area_ws = sqrt(precise_dot(normal, normal));
     s.n_geometric_ws = s.double_area_ws > 0.0 ? normal / s.double_area_ws : -ray.direction_ws;
     s.front_facing = precise_dot(s.n_geometric_ws, ray.direction_ws) < 0.0;
+    // What is opaque is left on the side from where it is seen.
+    const float height = proxy_height(geometry, hit.primitive, s.front_facing, world_from_object, s.n_geometric_ws);
+    if (height > 0.0) s.position_error += height * abs(s.n_geometric_ws);
 
     AttributeArray attributes = AttributeArray(geometry.attributes);
     const VertexAttributes a0 = attributes.v[index.x], a1 = attributes.v[index.y], a2 = attributes.v[index.z];

@@ -1,5 +1,6 @@
 // Tracing by ray query in a compute shader.
 #include "scene/alpha.glsl"
+#include "scene/proxy.glsl"
 
 layout(set = 0, binding = 0) uniform accelerationStructureEXT top_now;
 layout(set = 0, binding = 1) uniform accelerationStructureEXT top_before;
@@ -24,7 +25,7 @@ Hit trace_closest(Ray ray, uint mask) {
     const uint instance = rayQueryGetIntersectionInstanceCustomIndexEXT(query, true);
     hit.instance_bits = instance | ((scene_instance(instance).flags & kInstanceDeforms) << 30);
     hit.geometry = rayQueryGetIntersectionGeometryIndexEXT(query, true);
-    hit.primitive = rayQueryGetIntersectionPrimitiveIndexEXT(query, true);
+    hit.primitive = traced_primitive(instance, hit.geometry, rayQueryGetIntersectionPrimitiveIndexEXT(query, true));
     hit.barycentrics = packUnorm2x16(rayQueryGetIntersectionBarycentricsEXT(query, true));
     hit.t = rayQueryGetIntersectionTEXT(query, true);
     return hit;

@@ -27,13 +27,14 @@ SHARED_CONST uint kMaterialMirror = 512u;     // metal without roughness: one lo
 // Below this perceptual roughness surfaces are exact mirrors and clear glass: GGX lobes with alpha < 0.0009 are narrower than a pixel.
 SHARED_CONST float kDeltaRoughness = 0.03f;
 
-// SceneHeader::features: what some material of the scene has.
+// SceneHeader::features: what some material of the scene has, and whether some geometry has a proxy.
 SHARED_CONST uint kSceneLayers = 1u;  // transmission, a clear coat or sheen: path tracers need their variant LAYERS
 SHARED_CONST uint kScenePanes = 2u;   // thin-walled transmission: shadow rays may pass
 SHARED_CONST uint kSceneTransmits = 4u;
 SHARED_CONST uint kSceneCoats = 8u;     // a clear coat or sheen on what does not transmit
 SHARED_CONST uint kSceneEmitters = 16u; // kMaterialOnlyEmits
 SHARED_CONST uint kSceneMirrors = 32u;  // kMaterialMirror
+SHARED_CONST uint kSceneProxies = 64u;  // rays meet proxies of some geometries (Geometry::proxy_heights)
 
 // A row-major 3x4 affine transform: column vectors, p' = (dot(row0, vec4(p, 1)), ...).
 struct Affine {
@@ -57,6 +58,9 @@ struct Geometry {
     uint64_t positions;   // vec3[vertex_count], object space
     uint64_t indices;     // uvec3[triangle_count]
     uint64_t attributes;  // VertexAttributes[vertex_count]
+    // uint[triangle_count]: how far the proxy rises over each triangle (scene/proxy.glsl). Rays then meet the proxy's triangles alone, which
+    // follow these in `indices`; raster passes draw these. 0: there is no proxy.
+    uint64_t proxy_heights;
     uint triangle_count;
     uint vertex_count;
     uint material;

@@ -26,7 +26,7 @@ void read_triangles(std::span<const BottomGeometry> geometries, shared::BvhTrian
                 PARHELION_CHECK(std::max(index.x, std::max(index.y, index.z)) < geometry.positions.size(), "triangle {} has an index beyond {} vertices", t,
                                 geometry.positions.size());
                 const glm::vec3 p0 = geometry.positions[index.x], p1 = geometry.positions[index.y], p2 = geometry.positions[index.z];
-                triangles[first + t] = {.p0 = p0, .p1 = p1, .p2 = p2, .rest = 0, .geometry = g, .primitive = static_cast<uint32_t>(t)};
+                triangles[first + t] = {.p0 = p0, .p1 = p1, .p2 = p2, .rest = 0, .geometry = g, .primitive = geometry.first_primitive + static_cast<uint32_t>(t)};
             }
         });
         first += geometry.triangles.size();

@@ -14,10 +14,11 @@ namespace parhelion::bvh {
 
 // ---- bottom levels ----
 
-// Object space. Every index is below positions.size().
+// Object space. Every index is below positions.size(). Hits count its triangles from `first_primitive` on.
 struct BottomGeometry {
     std::span<const glm::vec3> positions;
     std::span<const glm::uvec3> triangles;
+    uint32_t first_primitive = 0;
 };
 
 // Every mesh's bottom level in shared arrays, as they are uploaded.

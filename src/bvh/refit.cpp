@@ -16,7 +16,7 @@ void read_triangles(std::span<const BottomGeometry> geometries, std::vector<Box>
         const BottomGeometry& geometry = geometries[g];
         parallel_for(geometry.triangles.size(), kRefitGrain, [&](size_t begin, size_t end) {
             for (size_t t = begin; t < end; ++t) {
-                triangles[first + t] = {.geometry = g, .primitive = static_cast<uint32_t>(t), .rest = 0};
+                triangles[first + t] = {.geometry = g, .primitive = geometry.first_primitive + static_cast<uint32_t>(t), .rest = 0};
                 for (int corner = 0; corner < 3; ++corner) boxes[first + t].add(geometry.positions[geometry.triangles[t][corner]]);
             }
         });

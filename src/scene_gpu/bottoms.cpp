@@ -34,6 +34,13 @@ std::vector<bvh::BottomGeometry> bottom_geometries(const Mesh& mesh) {
     return out;
 }
 
+std::vector<bvh::BottomGeometry> bottom_geometries(const Mesh& mesh, const MeshOnDevice& on_device) {
+    std::vector<bvh::BottomGeometry> out = bottom_geometries(mesh);
+    for (size_t i = 0; i < out.size(); ++i)
+        if (on_device.has_proxy(i)) out[i] = {mesh.primitives[i].positions, on_device.proxies[i].triangles, static_cast<uint32_t>(mesh.primitives[i].triangles.size())};
+    return out;
+}
+
 // A tree is built with numbers of its own; where it is copied to, they become those of the shared arrays.
 RowSource SceneGpu::State::own_node_rows(const MeshOnDevice& mesh) const {
     const auto first_node = static_cast<uint32_t>(mesh.own_nodes), first_triangle = static_cast<uint32_t>(mesh.own_triangles);
@@ -64,6 +71,7 @@ std::vector<SceneGpu::State::OwnTree> SceneGpu::State::build_own_trees(Slice& sl
     for (const Handle<Mesh> handle : wanted_meshes) {
         const MeshOnDevice& mesh = meshes.at(handle);
         if (mesh.own_ready || mesh.rest) continue;
+        if (uses_proxies() && mesh.parts.empty()) break;
         if (!slice.has_triangles() || !slice.has_bytes()) break;
         slice.take_triangles(mesh.triangle_count);
         triangles += mesh.triangle_count;
@@ -71,7 +79,7 @@ std::vector<SceneGpu::State::OwnTree> SceneGpu::State::build_own_trees(Slice& sl
     }
     const auto build = [&](const OwnTree& tree) {
         tree.host->nodes.layout = layout;
-        bvh::add_bottom(*tree.host, bottom_geometries(scene->get(tree.mesh)));
+        bvh::add_bottom(*tree.host, bottom_geometries(scene->get(tree.mesh), meshes.at(tree.mesh)));
     };
     std::vector<const OwnTree*> small;
     for (const OwnTree& tree : trees) {
@@ -119,8 +127,8 @@ gpu::BlasBuild make_build(const MeshOnDevice& mesh, const OpacityFlags& flags) {
     for (size_t i = 0; i < mesh.parts.size(); ++i)
         build.geometries.push_back({.positions = mesh.parts[i].positions.address(),
                                     .vertex_count = mesh.parts[i].vertex_count,
-                                    .indices = mesh.parts[i].indices.address(),
-                                    .triangle_count = mesh.parts[i].triangle_count,
+                                    .indices = mesh.parts[i].indices.address() + (mesh.has_proxy(i) ? mesh.parts[i].triangle_count * sizeof(glm::uvec3) : 0),
+                                    .triangle_count = mesh.has_proxy(i) ? mesh.parts[i].proxy_count : mesh.parts[i].triangle_count,
                                     .opaque = flags.opaque[i]});
     return build;
 }

@@ -40,6 +40,13 @@ uint64_t bytes_of(const Mesh& mesh) {
     return bytes;
 }
 
+// The rest of a range that begins with these rows.
+template <class T>
+BufferRange range_behind(const BufferRange& range, const std::vector<T>& rows) {
+    const uint64_t bytes = rows.size() * sizeof(T);
+    return {range.buffer, range.offset + bytes, range.bytes - bytes};
+}
+
 // By index of the handle: the meshes that some instance draws.
 std::vector<bool> find_drawn(const Scene& scene) {
     std::vector<bool> drawn(scene.meshes().slot_count(), false);
@@ -73,9 +80,11 @@ void SceneGpu::State::plan_meshes() {
         on_device.made_here = mesh.deformation.has_value();
         on_device.bytes = bytes_of(mesh.deformation ? scene->get(mesh.rest) : mesh);
         on_device.triangle_count = mesh.triangle_count;
+        const uint64_t traced = static_cast<uint64_t>(double(options.proxy_ratio) * double(mesh.triangle_count));  // about, as below
+        if (uses_proxies()) on_device.bytes += traced * sizeof(glm::uvec3) + mesh.triangle_count * sizeof(uint32_t);
         (on_device.made_here ? new_form_bytes : new_bytes) += on_device.bytes + 64 * mesh.primitives.size();  // arrays are aligned
-        new_triangles += mesh.triangle_count;
-        new_nodes += mesh.triangle_count / (layout == bvh::Layout::Binary ? 2 : 5) + 1;  // about; more make the array grow
+        new_triangles += traced;
+        new_nodes += traced / (layout == bvh::Layout::Binary ? 2 : 5) + 1;  // about; more make the array grow
         return on_device;
     };
     for (const auto& [handle, mesh] : scene->meshes()) {
@@ -92,33 +101,43 @@ void SceneGpu::State::plan_meshes() {
         if (!meshes.at(handle).has_forms) resident_meshes.push_back(handle);
     // What has never been seen may go at once.
     forget_meshes([](const MeshOnDevice& mesh) { return !mesh.wanted && mesh.drawn_at == 0; });
-    if (new_triangles == 0) return;
+    if (new_bytes + new_form_bytes == 0) return;
     geometry_pool.expect(new_bytes);
     form_pool.expect(new_form_bytes);
     bottom_nodes.expect(new_nodes);
     bottom_triangles.expect(new_triangles);
 }
 
+// Room for what a geometry consists of.
+PartOnDevice SceneGpu::State::take_part(const Primitive& p, const Proxy& proxy) {
+    return {.positions = geometry_pool.take(p.positions.size() * sizeof(glm::vec3)),
+            .indices = geometry_pool.take((p.triangles.size() + proxy.triangles.size()) * sizeof(glm::uvec3)),
+            .attributes = geometry_pool.take(p.positions.size() * sizeof(shared::VertexAttributes)),
+            .proxy_heights = proxy.heights.empty() ? BufferRange{} : geometry_pool.take(proxy.heights.size() * sizeof(uint32_t)),
+            .vertex_count = static_cast<uint32_t>(p.positions.size()),
+            .triangle_count = static_cast<uint32_t>(p.triangles.size()),
+            .proxy_count = static_cast<uint32_t>(proxy.triangles.size())};
+}
+
 void SceneGpu::State::upload_meshes(Frame& frame, Slice& slice) {
     for (const Handle<Mesh> handle : resident_meshes) {
         MeshOnDevice& mesh = meshes.at(handle);
         if (mesh.uploaded || mesh.made_here || !needs_geometry(mesh)) continue;
-        if (!slice.has_bytes()) return;
+        if (!slice.has_bytes() || (uses_proxies() && mesh.proxies.empty())) return;
         const Mesh& source = scene->get(handle);
         if (mesh.parts.empty()) {
             mesh.geometry_base = static_cast<uint32_t>(*geometry_rows.take(source.primitives.size()));
-            for (const Primitive& p : source.primitives)
-                mesh.parts.push_back({.positions = geometry_pool.take(p.positions.size() * sizeof(glm::vec3)),
-                                      .indices = geometry_pool.take(p.triangles.size() * sizeof(glm::uvec3)),
-                                      .attributes = geometry_pool.take(p.positions.size() * sizeof(shared::VertexAttributes)),
-                                      .vertex_count = static_cast<uint32_t>(p.positions.size()),
-                                      .triangle_count = static_cast<uint32_t>(p.triangles.size())});
+            for (size_t i = 0; i < source.primitives.size(); ++i) mesh.parts.push_back(take_part(source.primitives[i], uses_proxies() ? mesh.proxies[i] : Proxy{}));
         }
         std::vector<RowSource> rows;
         for (size_t i = 0; i < source.primitives.size(); ++i) {
             rows.push_back(array_rows(mesh.parts[i].positions, source.primitives[i].positions));
             rows.push_back(array_rows(mesh.parts[i].indices, source.primitives[i].triangles));
             rows.push_back(attribute_rows(mesh.parts[i].attributes, source.primitives[i]));
+            if (mesh.parts[i].proxy_count > 0) {
+                rows.push_back(array_rows(range_behind(mesh.parts[i].indices, source.primitives[i].triangles), mesh.proxies[i].triangles));
+                rows.push_back(array_rows(mesh.parts[i].proxy_heights, mesh.proxies[i].heights));
+            }
         }
         mesh.uploaded = upload_rows(frame, slice, rows, mesh.done_rows);
     }
@@ -127,7 +146,8 @@ void SceneGpu::State::upload_meshes(Frame& frame, Slice& slice) {
 // Rows of meshes that are gone but may still be seen in the previous frame stay as they are.
 void SceneGpu::State::make_geometries() {
     std::vector<shared::Geometry> rows = geometries;
-    stats.triangles = 0;
+    stats.triangles = stats.traced_triangles = 0;
+    features &= ~shared::kSceneProxies;
     for (const Handle<Mesh> handle : wanted_meshes) {
         const MeshOnDevice& mesh = meshes.at(handle);
         const Mesh& source = scene->get(handle);
@@ -139,6 +159,8 @@ void SceneGpu::State::make_geometries() {
             row.positions = part.positions.address();
             row.indices = part.indices.address();
             row.attributes = part.attributes.address();
+            row.proxy_heights = mesh.has_proxy(i) ? part.proxy_heights.address() : 0;
+            if (mesh.has_proxy(i)) features |= shared::kSceneProxies;
             row.triangle_count = part.triangle_count;
             row.vertex_count = part.vertex_count;
             row.material = material;
@@ -147,6 +169,7 @@ void SceneGpu::State::make_geometries() {
             row.triangle_table = table == triangle_table_of_geometry.end() ? shared::kNone : table->second;
         }
         stats.triangles += mesh.triangle_count;
+        stats.traced_triangles += mesh.traced_triangles();
     }
     stats.meshes = static_cast<uint32_t>(wanted_meshes.size());
     const bool same = rows.size() == geometries.size() && std::memcmp(rows.data(), geometries.data(), rows.size() * sizeof(shared::Geometry)) == 0;
@@ -161,6 +184,7 @@ void SceneGpu::State::give_back(const MeshOnDevice& mesh) {
     for (const PartOnDevice& part : mesh.parts) {
         pool.give(part.positions);
         pool.give(part.attributes);
+        pool.give(part.proxy_heights);
         if (!mesh.made_here) pool.give(part.indices);
     }
     for (const DeformersOnDevice& deformers : mesh.deformers) {
@@ -190,6 +214,7 @@ void SceneGpu::State::forget_meshes(const std::function<bool(const MeshOnDevice&
 void SceneGpu::State::forget_unwanted() {
     forget_meshes([&](const MeshOnDevice& mesh) { return !mesh.wanted && mesh.drawn_at + 1 < published; });
     std::erase_if(images, [](const auto& item) { return !item.second.wanted; });
+    forget_retired();
 }
 
 }  // namespace parhelion

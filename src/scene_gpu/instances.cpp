@@ -132,12 +132,13 @@ std::vector<MeshOnDevice*> SceneGpu::State::note_drawn(std::span<const uint32_t>
     std::vector<MeshOnDevice*> by_index(scene->meshes().slot_count(), nullptr), out;
     for (const Handle<Mesh> handle : wanted_meshes) by_index[handle.index] = &meshes.at(handle);
     out.reserve(drawn.size());
-    stats.instanced_triangles = 0;
+    stats.instanced_triangles = stats.instanced_traced_triangles = 0;
     for (const uint32_t row : drawn) {
         MeshOnDevice* mesh = by_index[scene->get(instance_handles[row]).drawn_mesh().index];
         mesh->drawn_at = published + 1;
         if (mesh->made_here) meshes.at(mesh->rest).drawn_at = published + 1;  // whose triangles it has
         stats.instanced_triangles += mesh->triangle_count;
+        stats.instanced_traced_triangles += mesh->traced_triangles();
         out.push_back(mesh);
     }
     return out;

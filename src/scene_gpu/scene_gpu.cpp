@@ -64,7 +64,9 @@ bool SceneGpu::State::advance(Frame& frame, Slice& slice) {
         if (!anything_stale && measurements.empty() && !moved_by_compaction) return false;
         plan();
         upload_images(frame, slice);
+        make_proxies(slice);
         upload_meshes(frame, slice);
+        choose_proxies();
         upload_deformers(frame, slice);
         deform_meshes(frame, slice);
         read_decay();
@@ -100,6 +102,7 @@ void SceneGpu::State::begin_anew() {
     plan_triangles = RowArray(device, "scene/refit_plan_triangles", sizeof(shared::RefitTriangle));
     geometry_rows = FreeRanges(1ull << 32);
     meshes.clear();
+    retired_rows.clear();
     measurements.clear();
     decay_readings.clear();
     images.clear();
@@ -152,7 +155,7 @@ void SceneGpu::State::measure_progress() {
     for (const Handle<Mesh> handle : resident_meshes) {
         const MeshOnDevice& mesh = meshes.at(handle);
         uint64_t rows = 0;
-        for (const PartOnDevice& part : mesh.parts) rows += 2ull * part.vertex_count + part.triangle_count;
+        for (const PartOnDevice& part : mesh.parts) rows += 2ull * part.vertex_count + part.triangle_count + part.proxy_count + (part.proxy_count > 0 ? part.triangle_count : 0);
         if (needs_geometry(mesh)) add(double(mesh.bytes), mesh.uploaded ? 1.0 : double(mesh.done_rows) / double(std::max<uint64_t>(rows, 1)));
         if (uses_hardware()) add(kBottomBytes * double(mesh.triangle_count), mesh.blas ? 1 : 0);
         if (options.own_bvh && mesh.drawn) add(kBottomBytes * double(mesh.triangle_count), mesh.own_ready ? 1 : mesh.own_host ? 0.8 : 0);

@@ -27,6 +27,9 @@ struct SceneGpuOptions {
     NodeLayout node_layout = NodeLayout::Auto;
     BvhLoop bvh_loop = BvhLoop::Auto;
     bool compact = true;           // give back what the driver's bottom levels do not need
+    // Proxies: rays meet fewer triangles than raster passes draw (proxies.cpp). Share of a geometry's triangles that is to stay, 1: all; and
+    // how far the others may go away at most, in lengths of the mesh.
+    float proxy_ratio = 1.0f, proxy_error = 0.001f;
     // What one update() records, about: what cannot be divided (a row of an image, a mesh's bottom level) is done whole.
     uint64_t slice_bytes = 64ull << 20;      // of uploads; also bounds the scratch memory of builds, at four times as much
     uint64_t slice_triangles = 1ull << 18;   // whose bottom levels are built
@@ -35,6 +38,7 @@ struct SceneGpuOptions {
 
 struct SceneGpuStats {
     uint64_t triangles = 0, instanced_triangles = 0, emissive_triangles = 0;
+    uint64_t traced_triangles = 0, instanced_traced_triangles = 0;  // fewer where geometries have proxies
     uint32_t meshes = 0, instances = 0, materials = 0, textures = 0, emitters = 0;
     uint32_t instance_rows = 0;  // of the table of instances, free ones too
     double tree_decay = 1;         // of the deformed form measured last: how loosely boxes fit it, over what it was when its mesh's tree was made

@@ -16,6 +16,7 @@
 
 #include "bvh/moving_top.h"
 #include "bvh/refit.h"
+#include "scene_gpu/proxies.h"
 #include "scene_gpu/ranges.h"
 #include "scene_gpu/scene_gpu.h"
 #include "scene_gpu/slice.h"
@@ -36,7 +37,9 @@ struct ImageOnDevice {
 // One geometry (primitive) of a mesh.
 struct PartOnDevice {
     BufferRange positions, indices, attributes;  // indices of a form that the device makes: those of its mesh at rest
+    BufferRange proxy_heights;                   // Geometry's
     uint32_t vertex_count = 0, triangle_count = 0;
+    uint32_t proxy_count = 0;  // triangles of its proxy, which follow in `indices`; 0: it has none
 };
 
 // What deforms a geometry: the joints of its vertices, and by morph target what that adds to positions, normals and tangents.
@@ -64,6 +67,8 @@ struct MeshOnDevice {
     uint32_t forms_made = 0, forms_at_rebuild = 0;
     bool looked_at = false;  // a form: it has been measured or passed over
     std::vector<PartOnDevice> parts;
+    std::vector<Proxy> proxies;      // by part, once they are made
+    std::vector<bool> traces_proxy;  // by part: what its bottom levels are built over
     bool made_here = false;  // a form that the device makes (Mesh::deformation)
     bool has_made = false;   // some of its forms are
     std::vector<DeformersOnDevice> deformers;  // by part, where it has such forms
@@ -88,6 +93,14 @@ struct MeshOnDevice {
     std::optional<uint32_t> own_flags;  // BvhTopItem's, as its materials have it
     uint64_t own_nodes = 0, own_node_count = 0, own_triangles = 0, own_triangle_count = 0, own_done_rows = 0;
     bool own_ready = false;
+
+    bool has_proxy(size_t part) const { return part < traces_proxy.size() && traces_proxy[part]; }
+    uint64_t traced_triangles() const;
+};
+
+// Rows of a tree of ours that its mesh has no more, until the last published scene that shows it is gone.
+struct RetiredRows {
+    uint64_t nodes, node_count, triangles, triangle_count, drawn_at;
 };
 
 // Bottom levels whose compacted sizes the device is about to tell.
@@ -131,8 +144,9 @@ bvh::Layout choose_node_layout(const gpu::DeviceCaps& caps, NodeLayout choice);
 // Constant 0 of the programs that trace our own nodes (shared/bvh.h). `plain`: both top levels are.
 uint32_t traversal_variant(const gpu::DeviceCaps& caps, bvh::Layout layout, BvhLoop choice, bool plain);
 
-// What our builder reads of a mesh.
+// What our builder reads of a mesh; with proxies, what rays meet of it.
 std::vector<bvh::BottomGeometry> bottom_geometries(const Mesh& mesh);
+std::vector<bvh::BottomGeometry> bottom_geometries(const Mesh& mesh, const MeshOnDevice& on_device);
 
 // Alias rows of non-negative weights. All-zero weights become equal ones: a table must return something.
 std::vector<shared::AliasEntry> make_alias_rows(std::span<const double> weights);
@@ -207,6 +221,7 @@ struct SceneGpu::State {
     gpu::Buffer geometry_table;
     // bottoms.cpp
     RowArray bottom_nodes, bottom_triangles;
+    std::vector<RetiredRows> retired_rows;
     // refit.cpp
     RowArray plan_nodes, plan_triangles;
     std::vector<Measurement> measurements;
@@ -276,7 +291,12 @@ struct SceneGpu::State {
     void plan_images();
     void plan_meshes();
     void upload_images(Frame& frame, Slice& slice);
+    bool uses_proxies() const { return options.proxy_ratio < 1.0f; }
+    void make_proxies(Slice& slice);
+    PartOnDevice take_part(const Primitive& p, const Proxy& proxy);
     void upload_meshes(Frame& frame, Slice& slice);
+    void choose_proxies();
+    void retire_own(MeshOnDevice& mesh);
     void upload_deformers(Frame& frame, Slice& slice);
     void deform_meshes(Frame& frame, Slice& slice);
     void build_own_bottoms(Frame& frame, Slice& slice);
@@ -326,6 +346,7 @@ struct SceneGpu::State {
     void settle(Frame& frame);
     gpu::SceneSet free_set(uint32_t textures);
     void forget_unwanted();
+    void forget_retired();
     void give_back(const MeshOnDevice& mesh);
     void forget_meshes(const std::function<bool(const MeshOnDevice&)>& choose);
 

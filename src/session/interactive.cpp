@@ -219,7 +219,7 @@ void Interactive::set_settings(const RenderSettings& settings) {
     if (settings.sun_elevation != before.sun_elevation || settings.sun_azimuth != before.sun_azimuth) reload();
     if (!loaded_) return;
     if (settings.culling != before.culling || settings.infinite_share != before.infinite_share || settings.node_layout != before.node_layout ||
-        settings.bvh_loop != before.bvh_loop || settings.gbuffer_mode != before.gbuffer_mode) {
+        settings.bvh_loop != before.bvh_loop || settings.gbuffer_mode != before.gbuffer_mode || settings.proxy_ratio != before.proxy_ratio || settings.proxy_error != before.proxy_error) {
         scene_gpu_.reset();
         set_up_scene();
     }

@@ -42,7 +42,7 @@ struct RenderReport {
     std::string renderer = "reference", device, driver, trace, scene, camera;
     std::string trace_source;  // who chose the way: option, measured, table
     bool shade_in_hit = false;  // reference.shade_in=closest_hit
-    uint64_t triangles = 0, instances = 0, lights = 0;
+    uint64_t triangles = 0, traced_triangles = 0, instances = 0, lights = 0;
     Size2 size;
     double upscale = 1;         // RenderOptions::upscale
     IndexRange wanted;          // samples that were asked for

@@ -127,6 +127,7 @@ bool JobBase::bring_in_scene(bool shown) {
         if (is_interrupted()) return false;
     }
     const SceneGpuStats& stats = scene_gpu_->stats();
+    report_.traced_triangles = stats.instanced_traced_triangles;
     report_.node_layout = stats.node_layout;
     report_.own_bottom_bytes = stats.own_bottom_bytes;
     report_.own_top_bytes = stats.own_top_bytes;

@@ -65,6 +65,7 @@ Json report_json(const RenderReport& report) {
             {"scene", report.scene},
             {"camera", report.camera},
             {"triangles", report.triangles},
+            {"traced_triangles", report.traced_triangles},
             {"instances", report.instances},
             {"lights", report.lights},
             {"size", {report.size.width, report.size.height}},

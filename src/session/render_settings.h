@@ -20,6 +20,7 @@ struct RenderSettings {
     LightSampling light_sampling = LightSampling::Mis;
     ShadeIn shade_in = ShadeIn::Raygen;
     Culling culling = Culling::Gltf;
+    float proxy_ratio = 1.0f, proxy_error = 0.001f;
     NodeLayout node_layout = NodeLayout::Auto;
     BvhLoop bvh_loop = BvhLoop::Auto;
     float infinite_share = 0.5f;
@@ -92,6 +93,8 @@ void visit(V&& v, RenderSettings& s) {
     v.field("reference.shade_in", s.shade_in, choices({"raygen", "closest_hit"}),
             "which shaders of the ray tracing pipeline shade; closest_hit needs --trace pipeline and texture.lod=full");
     v.field("scene.culling", s.culling, choices({"none", "gltf"}), "gltf: single-sided surfaces are invisible from behind");
+    v.field("scene.proxy_ratio", s.proxy_ratio, range(0.001, 1), "share of a mesh's triangles that its proxy keeps, which rays meet in its place; 1: no proxies. What gbuffer.mode=raster draws stays whole");
+    v.field("scene.proxy_error", s.proxy_error, range(0, 1), "most that a proxy may deviate (root mean square), in lengths of its mesh: it keeps more triangles rather");
     v.field("light.infinite_share", s.infinite_share, range(0.01, 0.99),
             "share of light samples for sky and directional lights where other lights exist too");
     v.field("trace.bvh", s.node_layout, choices({"auto", "binary", "four", "compact"}),

@@ -56,7 +56,8 @@ struct SceneOnDevice {
 
 SceneOnDevice bring_in(const gpu::DevicePtr& device, const Scene& scene, const TraceBenchOptions& options) {
     SceneOnDevice out;
-    const SceneGpuOptions base{.culling = options.settings.culling == Culling::Gltf, .node_layout = options.settings.node_layout, .bvh_loop = options.settings.bvh_loop};
+    const SceneGpuOptions base{.culling = options.settings.culling == Culling::Gltf, .node_layout = options.settings.node_layout, .bvh_loop = options.settings.bvh_loop,
+                               .proxy_ratio = options.settings.proxy_ratio, .proxy_error = options.settings.proxy_error};
     const SceneGpu* driver = nullptr;
     for (const gpu::TraceWay way : options.ways) {
         if (way != gpu::TraceWay::Compute) {

@@ -48,7 +48,9 @@ SceneGpuOptions describe_scene_gpu(const RenderSettings& settings, const TraceDe
             .own_bvh = !hardware,
             .raster = draws_pixels,
             .node_layout = trace.layout,
-            .bvh_loop = settings.bvh_loop};
+            .bvh_loop = settings.bvh_loop,
+            .proxy_ratio = settings.proxy_ratio,
+            .proxy_error = settings.proxy_error};
 }
 
 }  // namespace parhelion

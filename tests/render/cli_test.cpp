@@ -215,7 +215,7 @@ TEST_F(CliRender, a_picture_and_its_numbers) {
     EXPECT_EQ(folder.names(), (Words{"a.exr", "a.png"}));
     const Json json = result.json();
     for (const char* key :
-         {"schema", "renderer", "device", "driver", "trace", "scene", "triangles", "lights", "size", "spp", "seconds", "passes", "memory"})
+         {"schema", "renderer", "device", "driver", "trace", "scene", "triangles", "traced_triangles", "lights", "size", "spp", "seconds", "passes", "memory"})
         EXPECT_TRUE(json.contains(key)) << key;
     EXPECT_EQ(json["schema"], 1);
     EXPECT_EQ(json["spp"], 2);

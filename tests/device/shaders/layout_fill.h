@@ -94,7 +94,7 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Instance) v) {
     F(world_from_object) F(object_from_world) F(world_from_object_before) F(geometry_base) F(geometry_base_before) F(geometry_count) F(emitter_base) F(flags) F(mask)
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(Geometry) v) {
-    F(positions) F(indices) F(attributes) F(triangle_count) F(vertex_count) F(material) F(flags) F(triangle_table)
+    F(positions) F(indices) F(attributes) F(proxy_heights) F(triangle_count) F(vertex_count) F(material) F(flags) F(triangle_table)
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(VertexAttributes) v) { F(normal) F(tangent) F(uv0) F(uv1) F(color) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(TextureEntry) v) { F(slot) F(width) F(height) F(level_count) }
