@@ -101,6 +101,7 @@ void Frame::use_pack(const gpu::ShaderPack& pack) {
         if (!takes_the_same(program_of(*pack_).code(), program_of(pack).code()))
             throw Error(ErrorCode::Failed, "it takes other resources than before", fmt::format("shader {} {}", key.name, key.variant), "build the program again, too");
     }
+    for (const auto& [name, make] : raster_programs_) make(pack);
     pack_ = &pack;
 }
 

@@ -53,7 +53,11 @@ gpu::Program Pass::raster_program() const {
     gpu::RasterTarget formats;
     for (const gpu::RenderTarget::Color& color : target_.colors) formats.colors.push_back(color.image.desc().format);
     if (target_.depth) formats.depth = target_.depth.desc().format;
-    return gpu::Program::get_raster(frame_.device_, *frame_.pack_, name_, variant_, raster_state_, formats);
+    const auto make = [device = frame_.device_, name = name_, variant = variant_, state = raster_state_, formats](const gpu::ShaderPack& pack) {
+        return gpu::Program::get_raster(device, pack, name, variant, state, formats);
+    };
+    frame_.raster_programs_[name_ + variant_] = make;
+    return make(*frame_.pack_);
 }
 
 // Draws from buffers, and attachments, which are read as well unless they are cleared. The depth buffer counts as written whatever the state says.

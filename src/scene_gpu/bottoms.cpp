@@ -155,14 +155,14 @@ void SceneGpu::State::build_driver_bottoms(Frame& frame, Slice& slice) {
             mesh.cull_by_flag = flags.cull_by_flag;
             continue;
         }
-        mesh.blas = {};
+        mesh.blas = mesh.refit_base = {};
         if (!slice.has_triangles() || scratch > 4 * options.slice_bytes) continue;
         gpu::BlasBuild build = make_build(mesh, flags);
         bool is_base = false;  // others will be refitted from it
         if (mesh.rest && same_triangles(source, scene->get(mesh.rest))) {
             const MeshOnDevice& rest = meshes.at(mesh.rest);
             if (!rest.blas) continue;
-            is_base = rest.rebuild_driver;
+            is_base = rest.rebuild_driver && rest.opaque == flags.opaque;
             if (rest.opaque == flags.opaque && !is_base) build.refit_from = rest.refit_base ? rest.refit_base : rest.blas;
         }
         const bool deforming = mesh.has_forms || is_base || build.refit_from;

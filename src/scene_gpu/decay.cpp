@@ -70,11 +70,12 @@ void SceneGpu::State::read_decay() {
             const auto found = meshes.find(form.rest);
             if (found == meshes.end()) continue;
             MeshOnDevice& rest = found->second;
-            const double now = looseness(areas.subspan(form.first, form.count));
-            if (form.is_base) rest.looseness = now;
+            const double loose = looseness(areas.subspan(form.first, form.count));
+            if (form.is_base) rest.looseness = loose;
             if (rest.looseness == 0) continue;
-            stats.tree_decay = now / rest.looseness;
-            if (stats.tree_decay < kTooLoose || rest.forms_made - rest.forms_at_rebuild < kFormsARebuild) continue;
+            stats.tree_decay = loose / rest.looseness;
+            const bool fits = stats.tree_decay < kTooLoose && stats.tree_decay > 1 / kTooLoose;  // a shape that was torn fits the whole one no better
+            if (fits || rest.forms_made - rest.forms_at_rebuild < kFormsARebuild) continue;
             rest.rebuild_own = options.own_bvh;
             rest.rebuild_driver = uses_hardware();
         }
@@ -97,7 +98,7 @@ void SceneGpu::State::replan_refits(Slice& slice) {
         const MeshOnDevice& form = meshes.at(handle);
         if (!form.rest || form.own_ready || !form.uploaded) continue;
         MeshOnDevice& rest = meshes.at(form.rest);
-        if (!rest.rebuild_own || !rest.plan.ready) continue;
+        if (!rest.rebuild_own || !rest.plan.ready || !slice.has_triangles()) continue;
         const Mesh& source = scene->get(handle);
         std::vector<Primitive> shapes(source.primitives.size());
         std::vector<bvh::BottomGeometry> geometries_of_form;

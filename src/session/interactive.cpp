@@ -21,18 +21,19 @@ InteractiveState initial_state(const RenderOptions& options) {
 
 Interactive::Interactive(const InteractiveState& state, gpu::DevicePtr device)
     : show(state.show), accumulate(state.accumulate), play(state.play), seconds(state.seconds), options_(state.options), settings_(state.settings), device_(std::move(device)),
-      has_camera_(state.camera.has_value()), camera_name_(state.camera_name), layer_(state.layer), meter_(!state.metered) {
+      has_camera_(state.camera.has_value()), layer_(state.layer), meter_(!state.metered) {
     if (state.camera) camera_ = *state.camera;
     trace_ = decide_trace(device_->caps(), options_.trace, settings_.node_layout);
     check_reference({.texture_lod = settings_.texture_lod, .shade_in = settings_.shade_in}, trace_.way == gpu::TraceWay::Pipeline);
     make_drawer(options_.renderer, settings_, options_.denoise);
     if (options_.denoise == DenoiseKind::Oidn) denoiser_ = std::make_unique<AsyncDenoiser>();
     frame_ = std::make_unique<Frame>(device_);
+    if (state.shaders) use_shaders(state.shaders);
     reload();
 }
 
 InteractiveState Interactive::state() const {
-    InteractiveState out{.options = options_, .settings = settings_, .camera_name = camera_name_, .show = show, .metered = !meter_, .layer = layer_, .accumulate = accumulate, .play = play, .seconds = seconds};
+    InteractiveState out{.options = options_, .settings = settings_, .shaders = shaders_, .show = show, .metered = !meter_, .layer = layer_, .accumulate = accumulate, .play = play, .seconds = seconds};
     if (has_camera_) out.camera = camera_;
     return out;
 }
@@ -44,16 +45,23 @@ Interactive::Loaded Interactive::load(const RenderOptions& options, const Render
     Loaded out{.options = options, .scene = std::make_unique<LoadedScene>(load_scene(options.scene, options.load))};
     add_light(out.scene->scene, options, sky_options(settings));
     out.camera = set_up_camera(*out.scene, options, settings.culling == Culling::Gltf, out.camera_name).opens;
+    if (!options.camera_path.empty()) out.path = read_camera_path(options.camera_path);
     return out;
 }
 
 void Interactive::load_with(RenderOptions options) {
-    if (is_loading()) return;
-    options.load.time = seconds;
+    if (loading_.valid()) {
+        next_load_ = std::move(options);
+        return;
+    }
     loading_ = std::async(std::launch::async, [options = std::move(options), settings = settings_] { return load(options, settings); });
 }
 
-void Interactive::reload() { load_with(options_); }
+void Interactive::reload() {
+    RenderOptions options = options_;
+    options.load.time = seconds;
+    load_with(std::move(options));
+}
 
 void Interactive::open_scene(const std::string& name) {
     RenderOptions options = options_;
@@ -62,39 +70,64 @@ void Interactive::open_scene(const std::string& name) {
     options.camera.clear(), options.camera_path.clear();
     options.look_from.reset(), options.look_at.reset(), options.fov_degrees.reset(), options.ortho_height.reset();
     options.aperture_radius = 0;
-    seconds = 0;
+    options.load.time = 0;
     load_with(std::move(options));
 }
 
 void Interactive::open_environment(const std::string& file) {
     RenderOptions options = options_;
     options.environment = file;
+    options.load.time = seconds;
     load_with(std::move(options));
 }
 
 void Interactive::take_loaded() {
     if (!loading_.valid() || loading_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+    Loaded next;
     try {
-        Loaded next = loading_.get();
-        const bool other = next.options.scene != options_.scene;
-        loaded_ = std::move(next.scene);
-        const Size2 size = options_.size;  // may have changed since
-        RenderOptions now = std::move(next.options);
-        now.size = size, now.renderer = options_.renderer, now.denoise = options_.denoise, now.upscale = options_.upscale, now.max_bounces = options_.max_bounces, now.aovs = options_.aovs;
-        options_ = std::move(now);
-        first_camera_ = SteeredCamera(next.camera, orbit_distance(next.camera, loaded_->scene.bounds()));
-        if (other) camera_name_.reset(), meter_ = true, play = false;
-        if (other || !has_camera_) camera_ = first_camera_;
-        has_camera_ = true;
-        note_ = fmt::format("{}, camera {}", escape_name(options_.scene), escape_name(next.camera_name));
-        log(LogLevel::Info, "scene {}", note_);
-        set_up_scene();
-        if (other) set_camera(camera_);
+        next = loading_.get();
     } catch (const Error& error) {
         if (!loaded_) throw;
         note_ = error.line;  // the scene of before stays
         log_line(LogLevel::Error, error.line);
     }
+    if (next_load_) load_with(*std::exchange(next_load_, std::nullopt));
+    if (!next.scene) return;
+    const bool other = next.options.scene != options_.scene;
+    loaded_ = std::move(next.scene);
+    camera_path_ = std::move(next.path);
+    note_ = fmt::format("{}, camera {}", escape_name(next.options.scene), escape_name(next.camera_name));
+    log(LogLevel::Info, "scene {}", note_);
+    // What is no affair of the scene may have changed since.
+    RenderOptions now = std::move(next.options);
+    now.size = options_.size, now.renderer = options_.renderer, now.denoise = options_.denoise, now.upscale = options_.upscale, now.max_bounces = options_.max_bounces, now.aovs = options_.aovs;
+    options_ = start_ = std::move(now);
+    if (other) seconds = options_.load.time, meter_ = true, play = false;
+    time_set_ |= seconds != options_.load.time;
+    first_camera_ = SteeredCamera(next.camera, orbit_distance(next.camera, loaded_->scene.bounds()));
+    if (other || !has_camera_) camera_ = first_camera_;
+    has_camera_ = true;
+    set_up_scene();
+    if (other) set_camera(camera_);
+    place_camera();
+}
+
+// Where the options' camera stands in the scene of now, in a window of this shape, as `parhelion render` finds it.
+CameraView Interactive::camera_of_options() const {
+    std::string ignored;
+    CameraView view = camera_path_ ? camera_path_->view_at(seconds) : parhelion::choose_camera(loaded_->scene, options_, ignored);
+    if (camera_path_) apply_fov(view, options_);
+    view.lens_radius = camera_.view().lens_radius;
+    view.focus_distance = camera_.view().focus_distance;
+    return view;
+}
+
+void Interactive::place_camera() {
+    if (!loaded_ || camera_.has_moved()) return;
+    const CameraView view = camera_of_options();
+    const CameraView& now = camera_.view();
+    const bool same = view.position == now.position && view.forward == now.forward && view.up == now.up && view.yfov == now.yfov && view.half_extents == now.half_extents;
+    if (!same) set_camera(SteeredCamera(view, orbit_distance(view, loaded_->scene.bounds())));
 }
 
 void Interactive::set_up_scene() {
@@ -175,15 +208,17 @@ void Interactive::set_camera(const SteeredCamera& camera) {
 
 void Interactive::choose_camera(const std::string& name) {
     if (!loaded_) return;
-    if (name.empty()) {
-        camera_name_.reset();
-        return set_camera(first_camera_);
-    }
-    const float aspect = static_cast<float>(options_.size.width) / static_cast<float>(options_.size.height);
-    CameraView view = view_of(loaded_->scene.get(find_camera(loaded_->scene, name)), aspect);
-    view.lens_radius = camera_.view().lens_radius;
-    view.focus_distance = camera_.view().focus_distance;
-    camera_name_ = name;
+    if (!name.empty()) find_camera(loaded_->scene, name);
+    options_.camera = name.empty() ? start_.camera : name;
+    options_.look_from = name.empty() ? start_.look_from : std::nullopt;
+    options_.look_at = name.empty() ? start_.look_at : std::nullopt;
+    options_.fov_degrees = name.empty() ? start_.fov_degrees : std::nullopt;
+    options_.ortho_height = name.empty() ? start_.ortho_height : std::nullopt;
+    options_.camera_path = name.empty() ? start_.camera_path : std::filesystem::path();
+    if (options_.camera_path.empty()) camera_path_.reset();
+    else camera_path_ = read_camera_path(options_.camera_path);
+    if (name.empty()) camera_ = first_camera_;  // its lens
+    const CameraView view = camera_of_options();
     set_camera(SteeredCamera(view, orbit_distance(view, loaded_->scene.bounds())));
 }
 
@@ -193,6 +228,7 @@ void Interactive::set_renderer(RendererKind kind) {
     options_.renderer = kind;
     options_.denoise = denoise;
     if (denoise == DenoiseKind::None) options_.upscale = 1;
+    if (kind != RendererKind::Realtime && layer_.starts_with("debug.")) layer_.clear();
     shrink_ = 1, pixel_seconds_ = 0;
     if (view_) set_up_view();
 }
@@ -221,6 +257,7 @@ void Interactive::set_settings(const RenderSettings& settings) {
     if (settings.culling != before.culling || settings.infinite_share != before.infinite_share || settings.node_layout != before.node_layout ||
         settings.bvh_loop != before.bvh_loop || settings.gbuffer_mode != before.gbuffer_mode || settings.proxy_ratio != before.proxy_ratio || settings.proxy_error != before.proxy_error) {
         scene_gpu_.reset();
+        progress_ = {};
         set_up_scene();
     }
     set_up_view();
@@ -242,10 +279,10 @@ void Interactive::set_layer(const std::string& name) {
     if (view_) set_up_view();
 }
 
-std::vector<std::string> Interactive::layers() {
+std::vector<std::string> Interactive::layers() const {
     std::vector<std::string> names{""};
     for (const FilmGroup& group : film_groups())
-        if (group.group != shared::kFilmBeauty && group.aov == group.name) names.emplace_back(group.name);
+        if (group.group != shared::kFilmBeauty && group.aov == group.name && (options_.renderer == RendererKind::Realtime || !group.name.starts_with("debug."))) names.emplace_back(group.name);
     return names;
 }
 
@@ -262,6 +299,7 @@ void Interactive::resize(Size2 size) {
     options_.size = size;
     camera_.set_aspect(static_cast<float>(size.width) / static_cast<float>(size.height));
     if (view_) set_up_view();
+    place_camera();
 }
 
 uint64_t Interactive::samples() const {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "renderers/renderer.h"
+#include "scene/camera_path.h"
 #include "session/async_denoiser.h"
 #include "session/job.h"
 #include "session/pixel_probe.h"
@@ -35,7 +36,7 @@ struct InteractiveState {
     RenderOptions options;
     RenderSettings settings;
     std::optional<SteeredCamera> camera;  // none: that of the options
-    std::optional<std::string> camera_name;
+    std::shared_ptr<const gpu::ShaderPack> shaders;  // none: the built-in ones
     ShowOptions show;
     bool metered = true;  // the exposure is known
     std::string layer;
@@ -69,7 +70,7 @@ public:
     gpu::TraceWay way() const { return trace_.way; }
     const gpu::DevicePtr& device() const { return device_; }
     const Scene* scene() const { return loaded_ ? &loaded_->scene : nullptr; }  // null: still loading
-    bool is_loading() const { return loading_.valid(); }
+    bool is_loading() const { return loading_.valid() || next_load_; }
     const SceneProgress& scene_progress() const { return progress_; }
     uint64_t samples() const;   // in every pixel
     bool has_whole_frames() const { return drawer_ && !drawer_->has_preview(); }
@@ -80,8 +81,7 @@ public:
     // ---- what a person changes. A usage Error leaves everything as it was.
     const SteeredCamera& camera() const { return camera_; }
     void set_camera(const SteeredCamera& camera);
-    void choose_camera(const std::string& name);  // of the scene; empty: the one of the start
-    const std::optional<std::string>& camera_name() const { return camera_name_; }  // the one chosen last; none: that of the options
+    void choose_camera(const std::string& name);  // of the scene; empty: the one of the start. It goes where the scene takes it until it is moved
     void set_renderer(RendererKind kind);
     void set_denoise(DenoiseKind kind);
     void set_settings(const RenderSettings& settings);
@@ -89,7 +89,7 @@ public:
     void set_upscale(double factor);              // of the realtime renderer with --denoise builtin: 1 to kMostUpscale
     void set_layer(const std::string& name);      // an AOV (film_groups()) instead of the beauty; empty: the beauty
     const std::string& layer() const { return layer_; }
-    static std::vector<std::string> layers();     // all that can be shown, the beauty ("") first
+    std::vector<std::string> layers() const;      // all that its renderer can show, the beauty ("") first
     bool can_play() const;                        // something in the scene moves
     void set_time(double time);                   // of the scene's clock, from 0 on
     void resize(Size2 size);
@@ -130,12 +130,15 @@ private:
         RenderOptions options;  // that it was loaded with
         std::unique_ptr<LoadedScene> scene;
         CameraView camera;
+        std::optional<CameraPath> path;
         std::string camera_name;
     };
     static Loaded load(const RenderOptions& options, const RenderSettings& settings);
     void load_with(RenderOptions options);
     void take_loaded();
     void play_scene();
+    void place_camera();
+    CameraView camera_of_options() const;
     void set_up_scene();
     void set_up_view();
     void replace_view();
@@ -170,10 +173,12 @@ private:
     gpu::DevicePtr device_;
     TraceDecision trace_;
     std::future<Loaded> loading_;
+    std::optional<RenderOptions> next_load_;  // asked for meanwhile
     std::unique_ptr<LoadedScene> loaded_;
     SteeredCamera camera_, first_camera_;
     bool has_camera_ = false;
-    std::optional<std::string> camera_name_;
+    std::optional<CameraPath> camera_path_;
+    RenderOptions start_;  // whose camera is that of the start
     std::unique_ptr<Frame> frame_;
     std::shared_ptr<const gpu::ShaderPack> shaders_;  // none: the built-in ones
     std::unique_ptr<SceneGpu> scene_gpu_;

@@ -45,18 +45,21 @@ std::vector<PassTime> sum_passes(const Frame& frame) {
 }  // namespace
 
 void Interactive::play_scene() {
-    if (!loaded_) return;
+    if (!loaded_ || !scene_gpu_) return;
     Scene& scene = loaded_->scene;
     ChangeSet changes = scene.begin_frame();
     if (play) seconds += std::min(frame_seconds_, 0.1);
-    if (play || std::exchange(time_set_, false)) changes.append(scene.apply(state_at(*loaded_, options_.load, seconds)));
+    if (play || std::exchange(time_set_, false)) {
+        changes.append(scene.apply(state_at(*loaded_, options_.load, seconds)));
+        place_camera();
+    }
     scene_gpu_->sync(scene, changes);
 }
 
 gpu::Image Interactive::record() {
     take_loaded();
     play_scene();
-    if (!to_save_.empty() && samples() > 0 && shrink_ == 1) write_picture();
+    if (!to_save_.empty() && samples() > 0 && shrink_ == 1 && drawer_->rows().rows_ahead == 0) write_picture();
     if (denoiser_) denoise();
     if (scene_gpu_) progress_ = scene_gpu_->update(*frame_);
     if (progress_.drawable) draw();
@@ -90,12 +93,13 @@ bool Interactive::shows_intermediate(const gpu::Image& canvas) {
 // A film of another size where whole frames take too long while something moves, and of the window's where nothing does.
 void Interactive::adapt_size() {
     uint32_t wanted = 1;
+    const bool must_be_whole = !to_save_.empty() || is_picking();
     const bool moves = play || std::chrono::steady_clock::now() - moved_at_ < kComesToRest;
-    if (moves && to_save_.empty() && !is_picking() && !drawer_->has_preview()) {
+    if (moves && !must_be_whole && !drawer_->has_preview()) {
         const double whole = pixel_seconds_ * options_.size.width * options_.size.height;
         wanted = std::clamp(static_cast<uint32_t>(std::ceil(std::sqrt(whole / kMovingSeconds))), 1u, kMostShrink);
     }
-    const bool nearly = moves && wanted + 1 == shrink_;  // what is a little too coarse does not change to and fro
+    const bool nearly = moves && !must_be_whole && wanted + 1 == shrink_;  // what is a little too coarse does not change to and fro
     if (wanted == shrink_ || nearly) return;
     shrink_ = wanted;
     set_up_view();

@@ -17,7 +17,7 @@ bool Interactive::is_denoised() const { return !denoiser_ || !layer_.empty() || 
 // A film is given away when it has twice the samples of the one before, and when it is finished.
 void Interactive::denoise() {
     const uint64_t have = samples(), wanted = std::min(std::max<uint64_t>(1, 2 * denoised_samples_), options_.samples.end);
-    if (!layer_.empty() || !denoiser_->is_idle() || have < wanted || have == denoised_samples_) return;
+    if (shrink_ != 1 || !layer_.empty() || !denoiser_->is_idle() || have < wanted || have == denoised_samples_) return;
     denoised_samples_ = have;
     denoiser_->start(copy_film());
 }
@@ -59,10 +59,11 @@ FilmCopy Interactive::copy_film() {
     FilmReadback read = view_->read_film(*frame_);
     frame_->copy(block, 0, film.block, 0, film.block.bytes());
     frame_->copy(sums, 0, film.sums, 0, film.sums.bytes());
-    const uint64_t hash = hash_render(loaded_->scene, view_->desc(), settings_);
-    std::vector<uint64_t> counts(options_.size.height, rows.samples);
+    const uint64_t hash = hash_render(loaded_->scene, view_->desc(), settings_, options_.upscale);
+    const Size2 size{view_->desc().width, view_->desc().height};
+    std::vector<uint64_t> counts(size.height, rows.samples);
     std::fill_n(counts.begin(), rows.rows_ahead, rows.samples_ahead);
-    return {make_film_sums(std::move(read), options_.size, {0, rows.samples}, film_attributes(hash, show.exposure_ev)), std::move(counts)};
+    return {make_film_sums(std::move(read), size, {0, rows.samples}, film_attributes(hash, show.exposure_ev)), std::move(counts)};
 }
 
 void Interactive::write_picture() {

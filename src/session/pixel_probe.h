@@ -8,7 +8,6 @@
 #include <glm/vec3.hpp>
 
 #include "renderers/view.h"
-#include "scene_gpu/scene_gpu.h"
 
 namespace parhelion {
 

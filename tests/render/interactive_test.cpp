@@ -329,6 +329,31 @@ TEST_F(InteractiveScene, another_scene_and_environment_come_while_it_runs_and_br
     EXPECT_EQ(draw(session), box);
 }
 
+// The camera is animated, too: until somebody moves it, it goes where the scene takes it.
+TEST_F(InteractiveScene, a_camera_that_nobody_has_moved_follows_the_clock) {
+    RenderOptions options = cornell(1);
+    options.load.animate = "cut";
+    options.load.time = 1.5;
+    Interactive later(initial_state(options), device());
+    const std::vector<uint8_t> then = draw(later);
+    options.load.time = 0;
+    Interactive session(initial_state(options), device());
+    const std::vector<uint8_t> start = draw(session);
+    EXPECT_NE(start, then);
+    session.set_time(1.5);
+    EXPECT_EQ(draw(session), then);
+    session.set_time(0);
+    EXPECT_EQ(draw(session), start);
+    SteeredCamera camera = session.camera();
+    camera.look(0.1f, 0);
+    session.set_camera(camera);
+    const std::vector<uint8_t> turned = draw(session);
+    session.set_time(1.5);
+    EXPECT_EQ(draw(session), turned);
+    session.choose_camera("");
+    EXPECT_EQ(draw(session), then);
+}
+
 TEST_F(InteractiveScene, the_clock_can_be_set_and_a_session_goes_on_with_the_state_of_another) {
     RenderOptions options = cornell(1);
     options.load.animate = "spin";

@@ -9,7 +9,7 @@ class RandomEditsTest : public GpuTest {};
 
 TEST_F(RandomEditsTest, frames_are_finite_and_nothing_is_left_of_what_is_taken_away) {
     if (!LightCache::supported(device()->caps())) GTEST_SKIP() << "no 64-bit atomics on buffers";
-    draw_random_edits(80, 5);
+    draw_random_edits(device(), 80, 5);
 }
 
 }  // namespace

@@ -167,9 +167,9 @@ CameraView RandomEdits::camera() {
 
 namespace {
 
-uint64_t device_bytes() {
+uint64_t device_bytes(const gpu::Device& device) {
     uint64_t sum = 0;
-    for (const gpu::MemoryUse& use : shared_device()->memory_use()) sum += use.bytes;
+    for (const gpu::MemoryUse& use : device.memory_use()) sum += use.bytes;
     return sum;
 }
 
@@ -182,10 +182,10 @@ uint64_t host_bytes() {
 
 }  // namespace
 
-std::vector<MemoryUsed> draw_random_edits(uint32_t frames, uint32_t seed) {
+std::vector<MemoryUsed> draw_random_edits(const gpu::DevicePtr& device, uint32_t frames, uint32_t seed) {
     constexpr uint32_t kParts = 10, kForgotten = 64;  // frames after which the cache has nothing of a light
     RandomEdits edits(seed);
-    Stage stage(edits.make_scene());
+    Stage stage(edits.make_scene(), {}, {}, device);
     Player player(stage, {.view = {.width = 16, .height = 16, .seed = seed, .filter = PixelFilter::Point}}, {.reuse = RealtimeReuse::Full});
     std::vector<MemoryUsed> used(kParts);
     double lit = 0;
@@ -199,7 +199,7 @@ std::vector<MemoryUsed> draw_random_edits(uint32_t frames, uint32_t seed) {
         }
         lit = std::max(lit, mean_luminance(picture));
         MemoryUsed& part = used[uint64_t{frame} * kParts / frames];
-        part.device = std::max(part.device, device_bytes());
+        part.device = std::max(part.device, device_bytes(*device));
         part.host = std::max(part.host, host_bytes());
         if (::testing::Test::HasFailure()) return used;
     }

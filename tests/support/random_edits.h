@@ -43,6 +43,6 @@ struct MemoryUsed {
 };
 // Draws so many frames of such a scene in realtime, with reservoirs and cache; then takes all light away. The running test fails where a frame is not finite, or
 // negative, where one is lit after that, or something of the scene is left over.
-std::vector<MemoryUsed> draw_random_edits(uint32_t frames, uint32_t seed);
+std::vector<MemoryUsed> draw_random_edits(const gpu::DevicePtr& device, uint32_t frames, uint32_t seed);
 
 }  // namespace parhelion::testing

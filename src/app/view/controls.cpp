@@ -27,7 +27,7 @@ constexpr float kLine = 0.02f;       // of the picture's width, a key press
 
 Controls::Controls(const OptionValues& given, Window& window, Interactive& session, Panels& panels, ShaderWatch& shaders)
     : given_(given), window_(window), session_(session), panels_(panels), shaders_(shaders) {
-    window_.on_key = [this](int key) { press(key); };
+    window_.on_key = [this](int key) { panels_.change(session_, [&] { press(key); }); };
     window_.on_drop = [this](const std::vector<std::string>& files) {
         for (const std::string& file : files) open(file);
     };
@@ -54,7 +54,7 @@ void Controls::press(int key) {
         case GLFW_KEY_F: return look_at(window_.pointer());
         case GLFW_KEY_X: return session_.pick(window_.pointer());
         case GLFW_KEY_R: return panels_.change(session_, [&] { session_.set_renderer(static_cast<RendererKind>((static_cast<uint32_t>(session_.options().renderer) + 1) % 3)); });
-        case GLFW_KEY_L: return panels_.change(session_, [&] { session_.set_layer(next(Interactive::layers(), session_.layer())); });
+        case GLFW_KEY_L: return panels_.change(session_, [&] { session_.set_layer(next(session_.layers(), session_.layer())); });
         case GLFW_KEY_T: session_.show.curve = static_cast<image::ToneCurve>((static_cast<uint32_t>(session_.show.curve) + 1) % 3); return;
         case GLFW_KEY_V: session_.split = session_.split ? std::nullopt : std::optional(0.5f); return;
         case GLFW_KEY_LEFT_BRACKET: return move_line(-kLine);
@@ -83,8 +83,9 @@ void Controls::move_line(float by) {
 std::filesystem::path Controls::free_name(const char* pattern) const {
     std::string name = std::filesystem::path(session_.options().scene).stem().string();
     if (const size_t colon = name.find(':'); colon != std::string::npos) name.erase(0, colon + 1);
+    std::error_code none;
     for (unsigned number = 1;; ++number)
-        if (const std::filesystem::path file = fmt::format(fmt::runtime(pattern), name, number); !std::filesystem::exists(file)) return file;
+        if (const std::filesystem::path file = fmt::format(fmt::runtime(pattern), name, number); !std::filesystem::exists(file, none)) return file;
 }
 
 void Controls::save() {
@@ -94,8 +95,10 @@ void Controls::save() {
 }
 
 void Controls::copy() {
+    const bool realtime = session_.options().renderer == RendererKind::Realtime;
+    if (realtime) session_.accumulate = true;  // the line has the mean of frames
     const std::string line = shell_line(render_words(given_, session_));
-    if (session_.options().renderer == RendererKind::Realtime) session_.begin_anew();
+    if (realtime) session_.begin_anew();
     window_.copy(line);
     print_result(line + "\n");
     session_.set_note("copied: " + line);

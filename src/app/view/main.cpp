@@ -122,18 +122,19 @@ private:
     uint64_t frames_ = 0;
 };
 
-// A device that was chosen in the window and cannot be opened leaves the one of before.
-std::optional<Next> run_session(const OptionValues& values, Window& window, const Next& from, const std::string& device_before, std::optional<Script>& script, ShaderWatch& shaders) {
+// `opened`: the device that was opened last. One that was chosen in the window and cannot be opened leaves that.
+std::optional<Next> run_session(const OptionValues& values, Window& window, const Next& from, std::optional<std::string>& opened, std::optional<Script>& script, ShaderWatch& shaders) {
     std::optional<Session> session;
     try {
         session.emplace(values, window, from, script, shaders);
     } catch (const Error& error) {
-        if (from.state.options.device == device_before) throw;
+        if (!opened || from.state.options.device == *opened) throw;
         log_line(LogLevel::Error, error.line);
         Next back{from.state, error.line};
-        back.state.options.device = device_before;
+        back.state.options.device = *opened;
         return back;
     }
+    opened = from.state.options.device;
     return session->run();
 }
 
@@ -145,12 +146,11 @@ int view(const OptionValues& values) {
     const auto variable = [](const char* name) { return std::string(std::getenv(name) ? std::getenv(name) : ""); };
     ShaderWatch shaders(variable("PARHELION_SHADER_DIR"), variable("PARHELION_SHADER_BUILD"));
     Window window(options.size, "Parhelion: " + escape_name(options.scene));
-    std::string device = options.device;
+    std::optional<std::string> opened;
     std::optional<Next> next = Next{initial_state(options), ""};
     while (next) {
         const Next from = *next;
-        next = run_session(values, window, from, device, script, shaders);
-        device = from.state.options.device;
+        next = run_session(values, window, from, opened, script, shaders);
     }
     return exit_code(platform::interrupt_requested());
 }

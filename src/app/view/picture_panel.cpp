@@ -30,7 +30,7 @@ bool choose(const char* label, const std::array<const char*, N>& names, T& value
 
 void choose_layer(Interactive& session) {
     if (ImGui::BeginCombo("layer", session.layer().empty() ? "picture" : session.layer().c_str())) {
-        for (const std::string& layer : Interactive::layers())
+        for (const std::string& layer : session.layers())
             if (ImGui::Selectable(layer.empty() ? "picture" : layer.c_str(), layer == session.layer())) Panels::change(session, [&] { session.set_layer(layer); });
         ImGui::EndCombo();
     }

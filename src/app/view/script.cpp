@@ -141,8 +141,10 @@ void Script::act(const Step& step, const ScriptTargets& on) {
 bool Script::wait(const Step& step, const ScriptTargets& on) {
     const Interactive& session = on.session;
     const std::string& name = step.name;
-    if (name == "spp") return session.samples() < static_cast<uint64_t>(parse_int(step.value, kOption));
-    if (name == "reference") return !session.difference() || session.difference()->reference_samples < static_cast<uint64_t>(parse_int(step.value, kOption));
+    if (name == "spp") return !session.is_finished() && session.samples() < static_cast<uint64_t>(parse_int(step.value, kOption));
+    if (name == "reference" && (!session.split || !session.layer().empty()))
+        throw Error(ErrorCode::Usage, "nothing is compared", std::string(kOption), "reference=N needs split=0..1, and no layer");
+    if (name == "reference") return !session.is_finished() && (!session.difference() || session.difference()->reference_samples < static_cast<uint64_t>(parse_int(step.value, kOption)));
     if (name == "frames") return frames_ < static_cast<uint64_t>(parse_int(step.value, kOption));
     if (name == "reload" || name == "drop") return session.is_loading() || !session.scene_progress().complete;
     if (name == "shaders") return on.shaders.is_building() || frames_ < 2;
@@ -156,6 +158,7 @@ bool Script::wait(const Step& step, const ScriptTargets& on) {
 
 // How frames came since the last report, and what memory is held.
 void Script::report(const gpu::Device& device) {
+    if (frame_seconds_.empty()) return;
     std::ranges::sort(frame_seconds_);
     const auto part = [&](double share) { return 1000 * frame_seconds_[static_cast<size_t>(share * static_cast<double>(frame_seconds_.size() - 1))]; };
     uint64_t on_device = 0;
