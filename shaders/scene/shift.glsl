@@ -82,6 +82,14 @@ float shone(LightSampleRef y, uint moment) {
     return lit_before(UintArray(scene.header.geometry_emitters).v[scene_instance(y.reference).emitter_base + y.geometry]);
 }
 
+// The key of each ray that a pixel sends to a sample in a frame: that of the ray by which its own path would have found it. What is blended so hides
+// a sample from a pixel in all steps of the frame or in none. Were it drawn anew in each, a sample that half of the rays meet would be weighed as
+// seen and then be hidden half of the time.
+uint sample_ray_key(PathKey key, uint kind) {
+    const bool of_lights = kind == kSampleLight || kind == kSampleSky;
+    return of_lights ? alpha_key(key, 0u, kRayShadow) : alpha_key(key, 1u, kRayPath);
+}
+
 // The sample at a surface, as the scene stands or stood.
 Shifted shift(ViewData view, LightSampleRef y, Receiver to, uint moment, uint alpha_key) {
     Shifted result = kNothingShifted;

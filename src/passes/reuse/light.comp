@@ -88,10 +88,9 @@ bool light_pixel(uint slot) {
     Reservoir own = unpack_reservoir(push.reservoirs.v[reservoir_at(view.width * view.height, push.frame.set, pixel)]);
     take_from_partners(view, id, pixel, own);
     if (own.point.kind == kSampleNone || own.weight <= 0.0) return false;
-    const uint kAfterReuse = 0x20000u;
     const PathKey key = PathKey(id, push.frame.frame_index, view.seed);
     const Receiver here = receiver_at(view, key, which, bsdf_share(push.frame.candidates), kNow);
-    const Shifted brought = shift(view, own.point, here, kNow, alpha_key(key, kAfterReuse + push.frame.set, kRayShadow));
+    const Shifted brought = shift(view, own.point, here, kNow, sample_ray_key(key, own.point.kind));
     if (target_of(brought) <= 0.0) return false;
     const BsdfValue light = scale(brought.value, vec3(own.weight));
     const bool indirect = is_indirect(own.point.kind);

@@ -17,11 +17,7 @@ void store_reservoir(Reservoirs reservoirs, uint at, Reservoir r) {
 
 PathKey key_of(ViewData view, uvec2 pixel, uint frame_index) { return PathKey(pixel, frame_index, view.seed); }
 
-// Keys of rays of a pixel's steps of reuse; the number by which the last frame's sample is taken or not.
-uint reuse_ray_key(ViewData view, uvec2 pixel, ReuseFrame frame, uint step) {
-    const uint kBehindPaths = 0x10000u;
-    return alpha_key(key_of(view, pixel, frame.frame_index), kBehindPaths + 2u * step + frame.set, kRayShadow);
-}
+// The number by which the last frame's sample is taken or not.
 float reuse_number(ViewData view, uvec2 pixel, ReuseFrame frame) {
     const uint kReuseSalt = 0x52455553u;
     return uint_to_unit_float(pcg4d(uvec4(pixel.x | pixel.y << 16, frame.frame_index, view.seed ^ kReuseSalt, frame.set)).x);
