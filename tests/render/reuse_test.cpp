@@ -69,6 +69,35 @@ TEST_F(Reuse, a_lamp_that_is_turned_up_shines_in_the_same_frame) {
     EXPECT_NEAR(mean_luminance(player.next(std::move(up))) / before, 10.0, 0.2);
 }
 
+// A lamp behind a veil that half of the rays meet: as bright as without reservoirs. Were each step's ray to meet it by a chance of its own, what was found
+// unveiled would be veiled again before it lights the wall.
+TEST_F(Reuse, what_is_blended_hides_a_sample_in_all_steps_of_a_frame_or_in_none) {
+    SceneEdit edit;
+    Primitive wall, veil;
+    add_quad(wall, {-2.0f, 0.0f, 2.0f}, {4.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -4.0f});
+    builtin::add_object(edit, "wall", std::move(wall), edit.add(builtin::lambert("wall", glm::vec3(0.5f))));
+    add_quad(veil, {-2.0f, 1.5f, 2.0f}, {4.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -4.0f});
+    Material thin = builtin::lambert("veil", glm::vec3(0.0f));
+    thin.base_color.a = 0.5f;
+    thin.alpha_mode = AlphaMode::Blend;
+    thin.double_sided = true;
+    builtin::add_object(edit, "veil", std::move(veil), edit.add(std::move(thin)));
+    edit.add(lamp_at(2.0f, 10.0f));
+    Stage stage(make_scene(std::move(edit)));
+    Shot shot = shot_from_above();
+    shot.view.max_bounces = 1;
+    shot.camera = look_at({0.0f, 1.2f, 0.01f}, {0.0f, 0.0f, 0.0f}, 1.2f);  // below the veil
+    RealtimeOptions options{.cache = false};
+    const auto mean_of = [&](RealtimeReuse reuse) {
+        options.reuse = reuse;
+        options.reuse_options.adapt_confidence = false;
+        Player player(stage, shot, options);
+        player.skip(12);
+        return player.mean(24);
+    };
+    EXPECT_NEAR(mean_of(RealtimeReuse::Unbiased) / mean_of(RealtimeReuse::None), 1.0, 0.02);
+}
+
 // From far away it was hardly ever sampled: what the last frame knows of it counts for nothing.
 TEST_F(Reuse, a_lamp_that_comes_near_shines_in_the_same_frame) {
     Stage stage = make_lit_wall({lamp_at(2.0f, 10.0f), lamp_at(60.0f, 10.0f)});
