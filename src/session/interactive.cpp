@@ -149,7 +149,9 @@ RenderOptions Interactive::drawn_options() const {
 
 std::unique_ptr<ViewDrawer> Interactive::make_drawer(RendererKind kind, const RenderSettings& settings, DenoiseKind denoise) const {
     const double upscale = layer_.empty() && denoise == DenoiseKind::Builtin ? options_.upscale : 1;  // a layer has a value a traced pixel
-    return make_view_drawer(device_, {.kind = kind, .size = drawn_options().size, .max_samples = options_.samples.end, .denoise = denoise, .upscale = upscale}, settings);
+    RenderSettings drawn = settings;
+    drawn.cache.budget = std::max(1u, settings.cache.budget / (shrink_ * shrink_));  // as much less work as pixels
+    return make_view_drawer(device_, {.kind = kind, .size = drawn_options().size, .max_samples = options_.samples.end, .denoise = denoise, .upscale = upscale}, drawn);
 }
 
 // Another film; the renderer goes on with its histories.
