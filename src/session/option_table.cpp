@@ -162,8 +162,8 @@ const OptionSpec kOptions[] = {
     {.name = "--present", .section = "Window", .commands = kView, .kind = ValueKind::Choice, .value = "MODE", .fallback = "fifo",
      .help = "fifo waits for the display, so that nothing tears; mailbox draws as fast as it can", .choices = "fifo|mailbox"},
     {.name = "--script", .section = "Window", .commands = kView, .kind = ValueKind::Text, .value = "STEP,STEP,...",
-     .help = "do this by itself, then close: spp=N and frames=N wait; size=WxH, renderer=NAME, layer=NAME, image=NAME, camera=NAME, orbit=DEG, "
-             "time=T, play=on|off, set=KEY=VALUE, preset=NAME|FILE, denoise=NAME, split=0..1|off, drop=FILE, reload, shaders, device=NAME act as the "
+     .help = "do this by itself, then close: spp=N, frames=N and reference=N wait; size=WxH, renderer=NAME, layer=NAME, image=NAME, camera=NAME, orbit=DEG, "
+             "time=T, play=on|off, set=KEY=VALUE, preset=NAME|FILE, denoise=NAME, split=0..1|off, panels=on|off, drop=FILE, reload, shaders, device=NAME, lose (the device) act as the "
              "panels do; pick=X:Y and copy print what they find, focus=X:Y looks at a point, report tells how frames came, shot=F.png writes the window as it is; save",
      .bits = kNotInPreset},
 

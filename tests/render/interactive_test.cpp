@@ -329,46 +329,56 @@ TEST_F(InteractiveScene, another_scene_and_environment_come_while_it_runs_and_br
     EXPECT_EQ(draw(session), box);
 }
 
+// The box with a scripted edit, and its picture at another moment, of a session that began there.
+struct Clock {
+    static constexpr double kLater = 1.5;  // seconds
+    RenderOptions options;
+    std::vector<uint8_t> then;
+};
+
+class InteractiveClock : public InteractiveScene {
+protected:
+    Clock clock_of(const char* animate) {
+        Clock clock{.options = cornell(1)};
+        clock.options.load.animate = animate;
+        RenderOptions later = clock.options;
+        later.load.time = Clock::kLater;
+        Interactive session(initial_state(later), device());
+        clock.then = draw(session);
+        return clock;
+    }
+    std::vector<uint8_t> turn(Interactive& session) {
+        SteeredCamera camera = session.camera();
+        camera.look(0.1f, 0);
+        session.set_camera(camera);
+        return draw(session);
+    }
+};
+
 // The camera is animated, too: until somebody moves it, it goes where the scene takes it.
-TEST_F(InteractiveScene, a_camera_that_nobody_has_moved_follows_the_clock) {
-    RenderOptions options = cornell(1);
-    options.load.animate = "cut";
-    options.load.time = 1.5;
-    Interactive later(initial_state(options), device());
-    const std::vector<uint8_t> then = draw(later);
-    options.load.time = 0;
-    Interactive session(initial_state(options), device());
+TEST_F(InteractiveClock, a_camera_that_nobody_has_moved_follows_it) {
+    const Clock clock = clock_of("cut");
+    Interactive session(initial_state(clock.options), device());
     const std::vector<uint8_t> start = draw(session);
-    EXPECT_NE(start, then);
-    session.set_time(1.5);
-    EXPECT_EQ(draw(session), then);
+    EXPECT_NE(start, clock.then);
+    session.set_time(Clock::kLater);
+    EXPECT_EQ(draw(session), clock.then);
     session.set_time(0);
     EXPECT_EQ(draw(session), start);
-    SteeredCamera camera = session.camera();
-    camera.look(0.1f, 0);
-    session.set_camera(camera);
-    const std::vector<uint8_t> turned = draw(session);
-    session.set_time(1.5);
+    const std::vector<uint8_t> turned = turn(session);
+    session.set_time(Clock::kLater);
     EXPECT_EQ(draw(session), turned);
     session.choose_camera("");
-    EXPECT_EQ(draw(session), then);
+    EXPECT_EQ(draw(session), clock.then);
 }
 
-TEST_F(InteractiveScene, the_clock_can_be_set_and_a_session_goes_on_with_the_state_of_another) {
-    RenderOptions options = cornell(1);
-    options.load.animate = "spin";
-    options.load.time = 1.5;
-    Interactive later(initial_state(options), device());
-    const std::vector<uint8_t> then = draw(later);
-    options.load.time = 0;
-    Interactive session(initial_state(options), device());
-    EXPECT_NE(draw(session), then);
-    session.set_time(1.5);
-    EXPECT_EQ(draw(session), then);
-    SteeredCamera camera = session.camera();
-    camera.look(0.1f, 0);
-    session.set_camera(camera);
-    const std::vector<uint8_t> turned = draw(session);
+TEST_F(InteractiveClock, can_be_set_and_a_session_goes_on_with_the_state_of_another) {
+    const Clock clock = clock_of("spin");
+    Interactive session(initial_state(clock.options), device());
+    EXPECT_NE(draw(session), clock.then);
+    session.set_time(Clock::kLater);
+    EXPECT_EQ(draw(session), clock.then);
+    const std::vector<uint8_t> turned = turn(session);
     Interactive next(session.state(), device());
     EXPECT_EQ(draw(next), turned);
 }

@@ -53,8 +53,8 @@ void Controls::press(int key) {
         case GLFW_KEY_C: return next_camera();
         case GLFW_KEY_F: return look_at(window_.pointer());
         case GLFW_KEY_X: return session_.pick(window_.pointer());
-        case GLFW_KEY_R: return panels_.change(session_, [&] { session_.set_renderer(static_cast<RendererKind>((static_cast<uint32_t>(session_.options().renderer) + 1) % 3)); });
-        case GLFW_KEY_L: return panels_.change(session_, [&] { session_.set_layer(next(session_.layers(), session_.layer())); });
+        case GLFW_KEY_R: return session_.set_renderer(static_cast<RendererKind>((static_cast<uint32_t>(session_.options().renderer) + 1) % 3));
+        case GLFW_KEY_L: return session_.set_layer(next(session_.layers(), session_.layer()));
         case GLFW_KEY_T: session_.show.curve = static_cast<image::ToneCurve>((static_cast<uint32_t>(session_.show.curve) + 1) % 3); return;
         case GLFW_KEY_V: session_.split = session_.split ? std::nullopt : std::optional(0.5f); return;
         case GLFW_KEY_LEFT_BRACKET: return move_line(-kLine);
