@@ -29,6 +29,10 @@ SHARED_FN uvec4 pcg4d(uvec4 v) {
     return v;
 }
 
+// A fraction of 2^32 that differs much between pixels and frames near each other: among any few of them all fractions are there about as often as is due.
+// Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences" (R3). Uniform in `start`, for which there is another one each time.
+SHARED_FN uint spread_number(uvec2 pixel, uint frame, uint start) { return start + pixel.x * 3518319155u + pixel.y * 2882110345u + frame * 2360945575u; }
+
 // Wang 1997, "Integer Hash Function" (32 bit).
 SHARED_FN uint wang_hash(uint value) {
     value = (value ^ 61u) ^ (value >> 16);

@@ -112,15 +112,18 @@ struct Offered {
     float own_share;    // what is left of own's sample
 };
 const Offered kNothingOffered = Offered(kNoSampleRef, 0.0, 0.0, 0.0);
-void offer_reservoir(inout Offered offered, Reservoir own, Reservoir other, float around, float other_here, float own_there, float u) {
+// Says whether the sample is kept of those offered.
+bool offer_reservoir(inout Offered offered, Reservoir own, Reservoir other, float around, float other_here, float own_there, float u) {
     const float part = float(other.confidence) / around;
     offered.own_share += part * reservoir_share(float(own.confidence), own.target, around, own_there);
     const float weight = part * reservoir_share(around, other.target, float(own.confidence), other_here) * other_here * other.weight;
     offered.sum += weight;
-    if (weight > 0.0 && u * offered.sum < weight) {
+    const bool keeps = weight > 0.0 && u * offered.sum < weight;
+    if (keeps) {
         offered.point = other.point;
         offered.target = other_here;
     }
+    return keeps;
 }
 void take_offered(inout Reservoir own, Offered offered, float u) {
     const float sum = offered.own_share * own.target * own.weight + offered.sum;

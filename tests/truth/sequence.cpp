@@ -106,7 +106,7 @@ CameraView strafing_camera(const TruthStage& on, uint32_t size, float pixels, ui
 void play(TruthStage& on, const SequenceScript& script, uint32_t size, std::vector<SequenceRun>& runs, const std::function<void(const SequenceFrame&)>& look) {
     std::vector<std::unique_ptr<Played>> played;
     for (const SequenceRun& run : runs) {
-        ViewDesc desc = truth_view(on, size, 1, false);
+        ViewDesc desc = truth_view(on, size, run.seed, false);
         desc.aovs = run.aovs;
         played.push_back(std::make_unique<Played>(on, desc, run.options));
     }

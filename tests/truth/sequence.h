@@ -27,6 +27,7 @@ struct SequenceRun {
     RealtimeOptions options;
     std::vector<std::string> aovs = {};
     std::optional<uint32_t> cut_at = {};  // before this frame it forgets what its reconstruction has kept
+    uint32_t seed = 1;
     image::ImageF picture = {};
 };
 

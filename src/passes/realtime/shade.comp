@@ -191,7 +191,7 @@ VertexResult shade(uint slot) {
 #ifdef REUSE
     const vec3 came_by = path.ray.direction_ws;
     const float came_with = path.pdf;
-    const float of_roulette = begin_sharing(view, slot, pixel, path);
+    const float of_roulette = begin_sharing(view, key, slot, path);
 #endif
     if (met.instance_bits == kHitMiss) vertex = end_in_sky(view, path, first);
     else vertex = shade_vertex(view, key, Hit(met.instance_bits, met.geometry, met.primitive, 0u, 0.0), path, first);

@@ -14,8 +14,8 @@ vec3 prefix = vec3(1.0);                // and what it lacks
 bool is_second() { return (second.bits & kReuseSecond) != 0u; }
 
 // The path comes to its next vertex. Roulette there is by its whole throughput: gives what that takes, to be undone after it.
-float begin_sharing(ViewData view, uint slot, uint pixel, inout PathState path) {
-    if (push.round == 0u) clear_reservoirs(push.reservoirs, view, pixel, push.frame.reservoir_sets);
+float begin_sharing(ViewData view, PathKey key, uint slot, inout PathState path) {
+    if (push.round == 0u) clear_reservoirs(push.reservoirs, view, key.pixel, key.sample_index, push.frame.reservoir_sets);
     else second = push.reuse.v[slot];
     arrived = max_component(path.throughput);
     prefix = second.prefix;

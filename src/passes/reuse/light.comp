@@ -32,7 +32,7 @@ layout(push_constant, scalar) uniform Push {
 } push;
 
 struct Partner {
-    uint at;                 // of its reservoir
+    uint pixel;
     float here, there;       // what its sample brings to the pixel, and the pixel's own to it
 };
 
@@ -42,28 +42,28 @@ bool read_partner(ViewData view, uvec2 id, uint pixel, uint index, out Partner p
     if (told == kNoPartner) return false;
     const ivec2 at = partner_of(view, push.frame, id, index, told_turn(told));
     const uint other = uint(at.y) * view.width + uint(at.x), told_other = push.told.v[told_at(pixels, push.frame, index, other)];
-    partner = Partner(reservoir_at(pixels, push.frame.set, other), told_target(told), told_target(told_other));
+    partner = Partner(other, told_target(told), told_target(told_other));
     return told_other != kNoPartner && told_turn(told_other) == told_turn(told);
 }
 
-// What becomes of a pixel's reservoir beside those of its partners.
+// What becomes of a pixel's reservoir beside those of its partners. Both pixels of a pair decide by one number: what is due to both is kept by one of them,
+// and none is kept twice while the other one gets lost. (Each by itself they would add noise to means over pixels, which reconstruction makes.)
 void take_from_partners(ViewData view, uvec2 id, uint pixel, inout Reservoir own) {
-    const uint kPartnerSalt = 0x5441u;
+    const uint kPartnerSalt = 0x5441u, pixels = view.width * view.height;
     Partner partner;
-    float around = 0.0;
+    float around = 0.0, u = 0.0;
     for (uint i = 0u; i < push.frame.neighbours; ++i)
-        if (read_partner(view, id, pixel, i, partner)) around += float(packed_confidence(push.reservoirs.v[partner.at].point));
+        if (read_partner(view, id, pixel, i, partner)) around += float(packed_confidence(push.reservoirs.v[reservoir_at(pixels, push.frame.set, partner.pixel)].point));
     if (around <= 0.0) return;
     Offered offered = kNothingOffered;
     for (uint i = 0u; i < push.frame.neighbours; ++i) {
         if (!read_partner(view, id, pixel, i, partner)) continue;
-        Reservoir other = unpack_reservoir(push.reservoirs.v[partner.at]);
+        Reservoir other = unpack_reservoir(push.reservoirs.v[reservoir_at(pixels, push.frame.set, partner.pixel)]);
         other.point.flags |= kSampleSeen;  // or it brings nothing
-        const uvec4 random = pcg4d(uvec4(pixel, push.frame.frame_index, view.seed ^ kPartnerSalt, 2u * i + push.frame.set));
-        offer_reservoir(offered, own, other, around, partner.here, partner.there, uint_to_unit_float(random.x));
+        const uvec4 random = pcg4d(uvec4(min(pixel, partner.pixel), push.frame.frame_index, view.seed ^ kPartnerSalt, 2u * i + push.frame.set));
+        if (offer_reservoir(offered, own, other, around, partner.here, partner.there, uint_to_unit_float(pixel < partner.pixel ? random.y : random.z))) u = uint_to_unit_float(random.x);
     }
-    const uvec4 random = pcg4d(uvec4(pixel, push.frame.frame_index, view.seed ^ kPartnerSalt, kNone - push.frame.set));
-    take_offered(own, offered, uint_to_unit_float(random.x));
+    take_offered(own, offered, u);
 }
 
 // Without a ray.

@@ -20,7 +20,7 @@ PathKey key_of(ViewData view, uvec2 pixel, uint frame_index) { return PathKey(pi
 // The number by which the last frame's sample is taken or not.
 float reuse_number(ViewData view, uvec2 pixel, ReuseFrame frame) {
     const uint kReuseSalt = 0x52455553u;
-    return uint_to_unit_float(pcg4d(uvec4(pixel.x | pixel.y << 16, frame.frame_index, view.seed ^ kReuseSalt, frame.set)).x);
+    return uint_to_unit_float(spread_number(pixel.yx, 0u, pcg4d(uvec4(0u, frame.frame_index, view.seed ^ kReuseSalt, frame.set)).x));
 }
 
 const float kLeastSimilarCosine = 0.9;

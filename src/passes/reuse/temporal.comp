@@ -43,7 +43,8 @@ void main() {
     ivec2 before;
     const bool recalls = find_site_before(view, id, here, before, there);
     if (recalls) history = recall(view, before);
-    // The weights of what the frame's path offered have been added up; now the reservoir gets its W.
+    // The weights of what the frame's path offered have been added up; now the reservoir gets its W. What found nothing has looked, too.
+    own.confidence = 1u;
     own.weight = own.target > 0.0 ? own.weight / own.target : 0.0;
     float targets[3] = float[](0.0, 0.0, 0.0);
     for (uint i = 0u; i < (recalls ? 3u : 1u); ++i) {  // a loop, so that what is long is compiled once: own sample here, the other's here, own sample there
