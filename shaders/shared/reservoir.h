@@ -3,6 +3,7 @@
 // Importance Sampling".
 #ifndef PARHELION_SHARED_RESERVOIR_H
 #define PARHELION_SHARED_RESERVOIR_H
+#include "shared/realtime.h"
 #include "shared/types.h"
 SHARED_BEGIN
 
@@ -41,6 +42,12 @@ struct PackedReservoir {
     float target;  // luminance of the contribution in the measure of its kind, where and when it was kept
 };
 
+// What a shadow ray of the frame offers, if it is free: 56 bytes a slot.
+struct LightOffer {
+    PackedReservoir kept;
+    LightSums brings;      // to the pixel, by its surface's lobes
+};
+
 // What a path of the frame keeps of its second vertex, for reservoirs: 48 bytes a slot.
 struct LightReuse {
     vec3 prefix;       // throughput until the second vertex and its scattering there, without the density of that: LightPath has the rest
@@ -68,6 +75,7 @@ struct ReuseFrame {
     uint permutation;       // 1: near pixels of the last frame are exchanged
     uint reset;             // 1: the last frame has nothing to do with this one
     uint changed;           // 1: points may be lit otherwise than in the last frame
+    uint keeps_offered;     // 1: signals hold beside the path's own light what it was offered (realtime/offered.glsl)
 };
 
 SHARED_END

@@ -17,6 +17,10 @@ constexpr uint32_t kMostScatterings = 256;  // of paths without a bound: roulett
 
 uint32_t reservoir_sets(const RealtimeOptions& options) { return options.reuse_options.sets == ReservoirSets::Split ? 2 : 1; }
 
+// Of the samples that a path was offered one is kept, which brings as much as all of them; but their colours, and what the surface's lobes have of them, are
+// noise then. With one set, weighed about, the path's own pixel takes them as they are.
+bool keeps_offered(const RealtimeOptions& options) { return options.reuse == RealtimeReuse::Full && options.reuse_options.sets == ReservoirSets::Unified; }
+
 // What the last frame counts for at most. Where few lights are the frame's own samples are as good as the last one's, and what frames repeat of each
 // other their means keep as noise.
 uint32_t confidence_for(const ReuseOptions& options, uint32_t lights, uint32_t candidates) {
@@ -119,7 +123,8 @@ passes::LightPass Realtime::light_pass(Frame& frame, const SceneGpu& scene, gpu:
                          .follows = follows(scene) ? 1u : 0u,
                          .reservoir_sets = reuse_ ? reservoir_sets(options_) : 0,
                          .later_candidates = later_candidates(scene)},
-            .band = {.first_row = 0, .row_count = traced(view).height, .first_sample = frame_index_, .sample_count = 1}};
+            .band = {.first_row = 0, .row_count = traced(view).height, .first_sample = frame_index_, .sample_count = 1},
+            .keeps_offered = reuse_ && keeps_offered(options_)};
 }
 
 // Where lights are few, one of all of them is nearly as good and costs less.
@@ -166,6 +171,7 @@ void Realtime::share_light(Frame& frame, const SceneGpu& scene, gpu::TraceWay wa
                             .way = way,
                             .film = traced(view),
                             .gbuffer = gbuffer_,
+                            .signals = signals_,
                             .state = *reuse_,
                             .exact = options_.reuse == RealtimeReuse::Unbiased,
                             .settings = {.frame_index = frame_index_,
@@ -175,7 +181,9 @@ void Realtime::share_light(Frame& frame, const SceneGpu& scene, gpu::TraceWay wa
                                          .radius_px = options.radius,
                                          .permutation = options.permutation ? 1u : 0u,
                                          .reset = is_cut(view) || confidence == 0,
-                                         .changed = unsettled_frames_ != 0}};
+                                         .changed = unsettled_frames_ != 0,
+                                         .keeps_offered = keeps_offered(options_) ? 1u : 0u},
+                            .exposure = options_.exposure};
     for (reuse.settings.set = 0; reuse.settings.set < reservoir_sets(options_); ++reuse.settings.set) {
         passes::reuse_before(reuse);
         if (options.neighbours != 0) passes::tell_partners(reuse);

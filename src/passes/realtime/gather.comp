@@ -1,10 +1,13 @@
 #version 460
 // What the band's paths brought, as the frame's signals.
-// Reads: view, control, summary, sums. Writes: diffuse, specular (demodulated). ADD: to what is there.
-// variants: ADD
+// Reads: view, control, summary, sums. Writes: diffuse, specular (demodulated). ADD: to what is there. OFFERED: and beside it what they were offered.
+// variants: ADD OFFERED
 #extension GL_GOOGLE_include_directive : require
 #include "lib/packed_light.glsl"
 #include "realtime/demodulate.glsl"
+#ifdef OFFERED
+#include "realtime/offered.glsl"
+#endif
 #include "shared/realtime.h"
 #include "wavefront/linear.glsl"
 #include "wavefront/pixels.glsl"
@@ -22,7 +25,13 @@ layout(push_constant, scalar) uniform Push {
     Control control;
     Sums sums;
     Light diffuse, specular;
+#ifdef OFFERED
+    Sums offered;
+#endif
     float exposure;
+#ifdef OFFERED
+    uint frame_index;
+#endif
 } push;
 
 void main() {
@@ -38,6 +47,14 @@ void main() {
     diffuse += unpack_light(push.diffuse.v[pixel]);
     specular += unpack_light(push.specular.v[pixel]);
 #endif
+#ifdef OFFERED
+    const uint kOfferedSalt = 0x4F464445u;
+    const LightSums offered = push.offered.v[slot];
+    const uvec4 random = pcg4d(uvec4(pixel, push.frame_index, view.seed ^ kOfferedSalt, 0u));
+    push.diffuse.v[pixel] = pack_with_offered(diffuse, offered.diffuse * push.exposure / by.diffuse, random);
+    push.specular.v[pixel] = pack_with_offered(specular, offered.specular * push.exposure / by.specular, random.wzyx * 0x9E3779B9u);
+#else
     push.diffuse.v[pixel] = pack_light(diffuse);
     push.specular.v[pixel] = pack_light(specular);
+#endif
 }

@@ -30,12 +30,17 @@ struct ConnectPush {
 };
 struct ConnectReusePush {
     ConnectPush connect;
-    uint64_t offers, reservoirs;
+    uint64_t offers, reservoirs, offered;
     uint32_t frame_index, round, reservoir_sets;
 };
 struct GatherPush {
     uint64_t view, control, sums, diffuse, specular;
     float exposure;
+};
+struct GatherOfferedPush {
+    uint64_t view, control, sums, diffuse, specular, offered;
+    float exposure;
+    uint32_t frame_index;
 };
 
 bool has_layers(const LightPass& pass) { return (pass.scene.features() & shared::kSceneLayers) != 0; }
@@ -67,9 +72,9 @@ void shade_by(const LightPass& pass, const std::string& variant, uint32_t list) 
         .read_write("pending", pass.paths.pending)
         .read_write("distances", pass.signals.distances)
         .read("tiles", pass.tiles);
-    constexpr size_t kAddresses = 15, kOfCache = 1, kOfReuse = 3;
+    constexpr size_t kAddresses = 15, kOfCache = 1, kOfReuse = 4;
     if (pass.cache != nullptr) kernel.read_write("cache", *pass.cache);
-    if (pass.reservoirs != nullptr) kernel.read_write("reservoirs", *pass.reservoirs).read_write("reuse", pass.paths.reuse).write("offers", pass.paths.offers);
+    if (pass.reservoirs != nullptr) kernel.read_write("reservoirs", *pass.reservoirs).read_write("reuse", pass.paths.reuse).write("offers", pass.paths.offers).read_write("offered", pass.paths.offered);
     if (pass.cache != nullptr && pass.reservoirs != nullptr) push_shade<kAddresses + kOfCache + kOfReuse>(kernel, pass, list);
     else if (pass.reservoirs != nullptr) push_shade<kAddresses + kOfReuse>(kernel, pass, list);
     else if (pass.cache != nullptr) push_shade<kAddresses + kOfCache>(kernel, pass, list);
@@ -80,7 +85,7 @@ void shade_by(const LightPass& pass, const std::string& variant, uint32_t list) 
 }  // namespace
 
 uint32_t usual_light_paths(const gpu::DeviceCaps& caps) {
-    constexpr uint64_t kMost = 1u << 21, kPathBytes = 292, kShare = 16;
+    constexpr uint64_t kMost = 1u << 21, kPathBytes = 340, kShare = 16;
     return static_cast<uint32_t>(std::min(caps.memory_bytes / (kShare * kPathBytes), kMost));
 }
 
@@ -100,7 +105,8 @@ LightPaths make_light_paths(const gpu::DevicePtr& device, uint32_t slots, const 
             .sums = buffer("sums", slots, sizeof(shared::LightSums)),
             .inside = buffer("inside", needs.layers ? slots : 1, sizeof(shared::LightPathInside)),
             .reuse = buffer("reuse", needs.reservoirs ? slots : 1, sizeof(shared::LightReuse)),
-            .offers = buffer("offers", needs.reservoirs ? slots : 1, sizeof(shared::PackedReservoir))};
+            .offers = buffer("offers", needs.reservoirs ? slots : 1, sizeof(shared::LightOffer)),
+            .offered = buffer("offered", needs.reservoirs ? slots : 1, sizeof(shared::LightSums))};
 }
 
 WavefrontPass LightPass::tracing() const { return {.frame = frame, .scene = scene, .way = way, .film = film, .state = paths.machine, .slots = paths.machine.shape.slots}; }
@@ -158,16 +164,18 @@ void connect_paths(const LightPass& pass) {
     else
         kernel.read("offers", pass.paths.offers)
             .read_write("reservoirs", *pass.reservoirs)
+            .read_write("offered", pass.paths.offered)
             .push(ConnectReusePush{.frame_index = pass.settings.frame_index, .round = pass.round, .reservoir_sets = pass.settings.reservoir_sets});
     kernel.over_indirect(machine.sizes, shared::kListShadows * sizeof(shared::WavefrontSize));
 }
 
 void gather_paths(const LightPass& pass) {
-    Pass kernel = pass.frame.compute("realtime/gather", pass.adds ? "+ADD" : "");
+    Pass kernel = pass.frame.compute("realtime/gather", pass.adds ? "+ADD" : pass.keeps_offered ? "+OFFERED" : "");
     kernel.read("view", pass.film.view).read_write("control", pass.paths.machine.control).read("summary", pass.gbuffer.summary).read("sums", pass.paths.sums);
     if (pass.adds) kernel.read_write("diffuse", pass.signals.diffuse).read_write("specular", pass.signals.specular);
     else kernel.write("diffuse", pass.signals.diffuse).write("specular", pass.signals.specular);
-    kernel.push(GatherPush{.exposure = pass.settings.exposure});
+    if (pass.keeps_offered && !pass.adds) kernel.read("offered", pass.paths.offered).push(GatherOfferedPush{.exposure = pass.settings.exposure, .frame_index = pass.settings.frame_index});
+    else kernel.push(GatherPush{.exposure = pass.settings.exposure});
     kernel.over_all(pixels(pass));
 }
 

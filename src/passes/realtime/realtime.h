@@ -14,12 +14,12 @@ struct Signals {
 };
 Signals make_signals(const gpu::DevicePtr& device, uint64_t pixels);
 
-// Paths of a band: 192 bytes a slot, 20 more in scenes of layered materials, 84 more with reservoirs.
+// Paths of a band: 192 bytes a slot, 20 more in scenes of layered materials, 132 more with reservoirs.
 struct LightPaths {
     WavefrontState machine;             // its control, sizes, lists, rays, hits, shadow_rays and shadow_list
     gpu::Buffer paths, pending, sums;   // LightPath, LightPending, LightSums [slots]
     gpu::Buffer inside;                 // LightPathInside[slots]; one without layers
-    gpu::Buffer reuse, offers;          // LightReuse, PackedReservoir (what shadow rays offer) [slots]; one without reservoirs
+    gpu::Buffer reuse, offers, offered; // LightReuse, LightOffer (of shadow rays), LightSums (all that paths were offered) [slots]; one without reservoirs
 };
 struct LightPathNeeds {
     bool layers = false, reservoirs = false;
@@ -43,6 +43,7 @@ struct LightPass {
     shared::Slice band;        // one sample, of the frame's index, of as many pixels as there are slots at most
     uint32_t round = 0;        // rays that each path has traced
     bool adds = false;         // gather_paths adds to what the signals are already
+    bool keeps_offered = false;  // and the first time it keeps beside each what the path was offered, for light_pixels (realtime/offered.glsl)
 
     WavefrontPass tracing() const;  // for prepare_wavefront and extend
 };

@@ -13,15 +13,16 @@ vec3 first_share(LightReuse second, vec3 diffuse_share) {
 }
 
 // Takes out of a path's light what may be shared: `second_share` of it by the second vertex. What is left keeps its split by the first
-// surface's lobes. Gives what is taken.
-vec3 take_shared(inout vec3 light, inout PathClass path_class, LightReuse second, vec3 second_share) {
+// surface's lobes. Gives what is taken, by these.
+LightSums take_shared(inout vec3 light, inout PathClass path_class, LightReuse second, vec3 second_share) {
     const vec3 of_first = first_share(second, path_class.diffuse_share), taken = of_first * second_share * light;
-    if (taken == vec3(0.0)) return taken;
+    if (taken == vec3(0.0)) return LightSums(vec3(0.0), vec3(0.0));
+    const vec3 diffuse = path_class.diffuse_share * second_share * light;
     const vec3 left = light - taken, diffuse_left = path_class.diffuse_share * (1.0 - second_share) * light;
     // Exactly 1 where nothing else is.
     path_class.diffuse_share = mix(clamp(diffuse_left / max(left, vec3(1e-30)), vec3(0.0), vec3(1.0)), vec3(1.0), equal(path_class.diffuse_share, vec3(1.0)));
     light = max(left, vec3(0.0));
-    return taken;
+    return LightSums(diffuse, max(taken - diffuse, vec3(0.0)));
 }
 
 // The point that the path's second vertex is, with light of some kind.

@@ -5,7 +5,7 @@
 // Scenes of layered materials (glass, coats, sheen) have two kernels: PLAIN+LAYERS for surfaces that are plain.
 // Reads: scene, view, identity (what paths meet first), hits (later), lists (a kernel's), tiles. Reads and writes: control, lists (rays),
 // rays, paths, inside, sums, emission, block (path classes, debug layers), with CACHE cache (cells that are missed, and longer lives), and with
-// REUSE reservoirs (what may be shared of the light goes there) and reuse (second vertices).
+// REUSE reservoirs (what may be shared of the light goes there), offered (all of that) and reuse (second vertices).
 // Writes: shadow_list, shadow_rays, pending, distances (to what the first ray met); REUSE: offers (of the shadow rays).
 // variants: CACHE LAYERS LAYERS+CACHE PLAIN+LAYERS+CACHE REUSE CACHE+REUSE LAYERS+REUSE LAYERS+CACHE+REUSE PLAIN+LAYERS+CACHE+REUSE
 #extension GL_GOOGLE_include_directive : require
@@ -34,7 +34,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer S
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Light { PackedLight v[]; };
 #ifdef REUSE
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Reuse { LightReuse v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer LightOffers { PackedReservoir v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer LightOffers { LightOffer v[]; };
 #endif
 layout(push_constant, scalar) uniform Push {
     ViewBlock view;
@@ -59,6 +59,7 @@ layout(push_constant, scalar) uniform Push {
     Reservoirs reservoirs;
     Reuse reuse;
     LightOffers offers;
+    Sums offered;
 #endif
     RealtimeFrame frame;
     uint list;
@@ -202,8 +203,8 @@ VertexResult shade(uint slot) {
 #endif
     PathClass of_arriving = before, of_cached = before, of_event = before;
 #ifdef REUSE
-    share_arriving(view, key, met, came_by, came_with, vertex, of_arriving);
-    share_cached(view, key, of_cached);
+    share_arriving(view, key, slot, met, came_by, came_with, vertex, of_arriving);
+    share_cached(view, key, slot, of_cached);
     if (vertex.event.exists) share_event(slot, vertex.event, of_event);
 #endif
     keep_arriving(view, slot, pixel, of_arriving, of_cached, lobes, vertex.arriving);

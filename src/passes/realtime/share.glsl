@@ -15,8 +15,10 @@ bool is_second() { return (second.bits & kReuseSecond) != 0u; }
 
 // The path comes to its next vertex. Roulette there is by its whole throughput: gives what that takes, to be undone after it.
 float begin_sharing(ViewData view, PathKey key, uint slot, inout PathState path) {
-    if (push.round == 0u) clear_reservoirs(push.reservoirs, view, key.pixel, key.sample_index, push.frame.reservoir_sets);
-    else second = push.reuse.v[slot];
+    if (push.round == 0u) {
+        clear_reservoirs(push.reservoirs, view, key.pixel, key.sample_index, push.frame.reservoir_sets);
+        push.offered.v[slot] = LightSums(vec3(0.0), vec3(0.0));
+    } else second = push.reuse.v[slot];
     arrived = max_component(path.throughput);
     prefix = second.prefix;
     const float of_roulette = arrived / max(max_component(second.prefix * path.throughput), 1e-30);
@@ -70,10 +72,12 @@ void note_scattering(inout PathState path, Shading shading, float factor, float 
     path.throughput = vec3(factor / density);
 }
 
-void offer_now(ViewData view, PathKey key, LightSampleRef y, vec3 brings, float density, uint which) {
-    if (!(max_component(brings) > 0.0)) return;
+void offer_now(ViewData view, PathKey key, uint slot, LightSampleRef y, LightSums brings, float density, uint which) {
+    const float weight = luminance(brings.diffuse + brings.specular);
+    if (!(weight > 0.0)) return;
     const uint pixel = key.pixel.y * view.width + key.pixel.x;
-    offer(push.reservoirs, reservoir_of(view, pixel, y.kind, push.frame.reservoir_sets), pack_sample(y, 1u), luminance(brings), luminance(brings) * density, offer_number(key.pixel, key.sample_index, key.seed, push.round, which));
+    offer(push.reservoirs, reservoir_of(view, pixel, y.kind, push.frame.reservoir_sets), pack_sample(y, 1u), weight, weight * density, offer_number(key.pixel, key.sample_index, key.seed, push.round, which));
+    add_light(push.offered, slot, brings.diffuse, brings.specular);
 }
 
 void keep_second(uint slot) {
@@ -88,16 +92,16 @@ void keep_second(uint slot) {
 }
 
 // What of the arriving light may be shared goes to the reservoir.
-void share_arriving(ViewData view, PathKey key, WavefrontHit met, vec3 came_by, float came_with, inout VertexResult vertex, inout PathClass path_class) {
+void share_arriving(ViewData view, PathKey key, uint slot, WavefrontHit met, vec3 came_by, float came_with, inout VertexResult vertex, inout PathClass path_class) {
     if (push.round == 0u) return;
     const vec3 light = vertex.arriving;
     vec3 arriving = light * prefix;
     if (light == vec3(0.0)) return;
     if (path_class.bounce >= 2u && is_second()) {
-        const vec3 taken = take_shared(arriving, path_class, second, second.share);
-        offer_now(view, key, sample_at_second(second, kSampleReconnection, unpack_direction(second.direction), light), taken, second.density, 0u);
+        const LightSums taken = take_shared(arriving, path_class, second, second.share);
+        offer_now(view, key, slot, sample_at_second(second, kSampleReconnection, unpack_direction(second.direction), light), taken, second.density, 0u);
     } else if (push.round == 1u && (second.bits & kReuseFirst) != 0u) {
-        if (met.instance_bits == kHitMiss) offer_now(view, key, sample_of_direction(kSampleOutside, scene.header.environment.emitter, came_by, light), take_shared(arriving, path_class, second, vec3(1.0)), area_density(came_with, 1.0, 1.0), 0u);
+        if (met.instance_bits == kHitMiss) offer_now(view, key, slot, sample_of_direction(kSampleOutside, scene.header.environment.emitter, came_by, light), take_shared(arriving, path_class, second, vec3(1.0)), area_density(came_with, 1.0, 1.0), 0u);
         else if (is_packable(met.geometry)) {
             LightSampleRef y = kNoSampleRef;
             y.kind = kSampleEmitter;
@@ -107,38 +111,40 @@ void share_arriving(ViewData view, PathKey key, WavefrontHit met, vec3 came_by, 
             y.number = met.primitive;
             y.place = pack_place(vertex.barycentrics);
             y.radiance = light;
-            offer_now(view, key, y, take_shared(arriving, path_class, second, vec3(1.0)), area_density(came_with, vertex.t, vertex.facing), 0u);
+            offer_now(view, key, slot, y, take_shared(arriving, path_class, second, vec3(1.0)), area_density(came_with, vertex.t, vertex.facing), 0u);
         }
     }
     vertex.arriving = arriving;
 }
 
 // And of what the cache knows.
-void share_cached(ViewData view, PathKey key, inout PathClass path_class) {
+void share_cached(ViewData view, PathKey key, uint slot, inout PathClass path_class) {
     from_cache *= prefix;
     if (from_cache == vec3(0.0) || !is_second()) return;
     const bool here = push.round == 1u;
-    const vec3 taken = take_shared(from_cache, path_class, second, here ? vec3(1.0) : second.share);
-    offer_now(view, key, sample_at_second(second, here ? kSampleRadiosity : kSampleReconnection, unpack_direction(second.direction), cached), taken, second.density, 1u);
+    const LightSums taken = take_shared(from_cache, path_class, second, here ? vec3(1.0) : second.share);
+    offer_now(view, key, slot, sample_at_second(second, here ? kSampleRadiosity : kSampleReconnection, unpack_direction(second.direction), cached), taken, second.density, 1u);
 }
 
 // And of a light sample, with its shadow ray.
 void share_event(uint slot, inout NextEvent event, inout PathClass path_class) {
-    float weight = 0.0;
+    LightSums taken = LightSums(vec3(0.0), vec3(0.0));
     if (push.round == 0u) {
         if (asked.kind != kSampleNone) {
-            weight = luminance(event.value.diffuse + event.value.specular);
+            taken = LightSums(event.value.diffuse, event.value.specular);
             event.value.diffuse = event.value.specular = vec3(0.0);
         }
     } else {
         vec3 light = prefix * total(event.value);
-        if (asked.kind != kSampleNone) weight = luminance(take_shared(light, path_class, second, asked_share));
+        if (asked.kind != kSampleNone) taken = take_shared(light, path_class, second, asked_share);
         event.value = BsdfValue(light, vec3(0.0), vec3(0.0));
     }
-    push.offers.v[slot].weight = weight;
-    push.offers.v[slot].target = weight * asked_density;
+    const float weight = luminance(taken.diffuse + taken.specular);
+    push.offers.v[slot].kept.weight = weight;
+    push.offers.v[slot].kept.target = weight * asked_density;
     if (!(weight > 0.0)) return;
     const PackedSample point = pack_sample(asked, 1u);
-    STORE_SAMPLE(push.offers.v[slot].point, point)
+    STORE_SAMPLE(push.offers.v[slot].kept.point, point)
+    push.offers.v[slot].brings = taken;
 }
 #endif

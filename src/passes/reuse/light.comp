@@ -1,10 +1,12 @@
 #version 460
 // Spatial reuse, second half: a pixel's reservoir and its partners' become one. Lights a band's pixels by the samples kept: a shadow ray for each, but
 // for those that a ray of this frame has seen.
-// Reads: scene, view, identity, reservoirs, told. Reads and writes: control and shadow_list (of shadow rays), sums, pending, block (path classes, debug
-// layers), rays (of the film: the exchange's). Writes: shadow_rays.
+// Reads: scene, view, identity, summary, reservoirs, told. Reads and writes: control and shadow_list (of shadow rays), sums, pending, block (path classes,
+// debug layers), rays (of the film: the exchange's), diffuse and specular, if they hold what paths were offered. Writes: shadow_rays.
 // variants: LAYERS
 #extension GL_GOOGLE_include_directive : require
+#include "realtime/demodulate.glsl"
+#include "realtime/offered.glsl"
 #include "realtime/paths.glsl"
 #include "reuse/partner.glsl"
 #include "scene/shift.glsl"
@@ -12,11 +14,13 @@
 #include "wavefront/lists.glsl"
 
 layout(set = 1, binding = 0, rgba32ui) uniform readonly uimage2D identity;
+layout(set = 1, binding = 1, rgba32ui) uniform readonly uimage2D summary;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Reservoirs { PackedReservoir v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Told { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer ShadowList { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer ShadowRays { WavefrontShadowRay v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer RayCounts { uint v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Light { PackedLight v[]; };
 layout(push_constant, scalar) uniform Push {
     ViewBlock view;
     Control control;
@@ -28,7 +32,9 @@ layout(push_constant, scalar) uniform Push {
     ShadowList shadow_list;
     FilmBlock block;
     RayCounts rays;
+    Light diffuse, specular;
     ReuseFrame frame;
+    float exposure;
 } push;
 
 struct Partner {
@@ -46,16 +52,17 @@ bool read_partner(ViewData view, uvec2 id, uint pixel, uint index, out Partner p
     return told_other != kNoPartner && told_turn(told_other) == told_turn(told);
 }
 
-// What becomes of a pixel's reservoir beside those of its partners. Both pixels of a pair decide by one number: what is due to both is kept by one of them,
-// and none is kept twice while the other one gets lost. (Each by itself they would add noise to means over pixels, which reconstruction makes.)
-void take_from_partners(ViewData view, uvec2 id, uint pixel, inout Reservoir own) {
+// Of a pixel's partners' samples one. Both pixels of a pair decide by one number, `u`: what is due to both is kept by one of them, and none is kept twice
+// while the other one gets lost. (Each by itself they would add noise to means over pixels, which reconstruction makes.) False: it has no partner.
+bool ask_partners(ViewData view, uvec2 id, uint pixel, Reservoir own, out Offered offered, out float u) {
     const uint kPartnerSalt = 0x5441u, pixels = view.width * view.height;
     Partner partner;
-    float around = 0.0, u = 0.0;
+    float around = 0.0;
+    offered = kNothingOffered;
+    u = 0.0;
     for (uint i = 0u; i < push.frame.neighbours; ++i)
         if (read_partner(view, id, pixel, i, partner)) around += float(packed_confidence(push.reservoirs.v[reservoir_at(pixels, push.frame.set, partner.pixel)].point));
-    if (around <= 0.0) return;
-    Offered offered = kNothingOffered;
+    if (around <= 0.0) return false;
     for (uint i = 0u; i < push.frame.neighbours; ++i) {
         if (!read_partner(view, id, pixel, i, partner)) continue;
         Reservoir other = unpack_reservoir(push.reservoirs.v[reservoir_at(pixels, push.frame.set, partner.pixel)]);
@@ -63,18 +70,49 @@ void take_from_partners(ViewData view, uvec2 id, uint pixel, inout Reservoir own
         const uvec4 random = pcg4d(uvec4(min(pixel, partner.pixel), push.frame.frame_index, view.seed ^ kPartnerSalt, 2u * i + push.frame.set));
         if (offer_reservoir(offered, own, other, around, partner.here, partner.there, uint_to_unit_float(pixel < partner.pixel ? random.y : random.z))) u = uint_to_unit_float(random.x);
     }
-    take_offered(own, offered, u);
+    return true;
 }
 
-// Without a ray.
-void add_seen(ViewData view, uint slot, uint pixel, bool indirect, BsdfValue light) {
-    add_light(push.sums, slot, light.diffuse, light.specular);
+// What becomes of a pixel's reservoir beside those of its partners. Where signals hold what its path was offered, and the sample is out of that, `left` of it stays
+// and the reservoir is of the partners alone: so the pixel's own light has no noise of a choice, and needs neither its surface's lobes nor a ray.
+Reservoir take_from_partners(ViewData view, uvec2 id, uint pixel, out float left) {
+    Reservoir own = unpack_reservoir(push.reservoirs.v[reservoir_at(view.width * view.height, push.frame.set, pixel)]);
+    Offered offered;
+    float u;
+    const bool has_partner = ask_partners(view, id, pixel, own, offered, u);
+    left = 0.0;
+    if (push.frame.keeps_offered != 0u && own.point.kind != kSampleNone && (own.point.flags & kSampleSeen) != 0u) {
+        left = has_partner && own.target > 0.0 ? offered.own_share : 1.0;
+        own = Reservoir(offered.point, own.confidence, offered.target > 0.0 ? offered.sum / offered.target : 0.0, offered.target);
+    } else if (has_partner) take_offered(own, offered, u);
+    return own;
+}
+
+void add_class(ViewData view, uint pixel, bool indirect, BsdfValue light) {
     PathRadiance by_class = make_path_radiance();
     if (indirect) {
         by_class.indirect_diffuse = light.diffuse;
         by_class.indirect_specular = light.specular;
     } else add_sampled(by_class, PathClass(0u, false, vec3(0.0)), total(light), light);
     film_add_path_classes(push.block, view, pixel, by_class);
+}
+
+// What is left of what the pixel's path was offered joins its own light. In the film's layers it is as direct or indirect as the one sample that stands for it.
+void settle_offered(ViewData view, uvec2 id, uint pixel, float left) {
+    const PackedLight diffuse = push.diffuse.v[pixel], specular = push.specular.v[pixel];
+    const BsdfValue offered = BsdfValue(left * offered_light(diffuse), left * offered_light(specular), vec3(0.0));
+    push.diffuse.v[pixel] = pack_light(own_light(diffuse) + offered.diffuse);
+    push.specular.v[pixel] = pack_light(own_light(specular) + offered.specular);
+    if (left <= 0.0) return;
+    const bool indirect = is_indirect(push.reservoirs.v[reservoir_at(view.width * view.height, push.frame.set, pixel)].point.bits >> 24 & 7u);
+    const Demodulation by = demodulation(imageLoad(summary, ivec2(id)));
+    add_class(view, pixel, indirect, BsdfValue(offered.diffuse * by.diffuse / push.exposure, offered.specular * by.specular / push.exposure, vec3(0.0)));
+}
+
+// Without a ray.
+void add_seen(ViewData view, uint slot, uint pixel, bool indirect, BsdfValue light) {
+    add_light(push.sums, slot, light.diffuse, light.specular);
+    add_class(view, pixel, indirect, light);
 }
 
 // True: the pixel's light waits for its shadow ray.
@@ -84,9 +122,10 @@ bool light_pixel(uint slot) {
     const uint pixel = id.y * view.width + id.x;
     if (push.frame.set == 0u) push.sums.v[slot] = LightSums(vec3(0.0), vec3(0.0));
     const uvec4 which = imageLoad(identity, ivec2(id));
-    if (which.x == kHitMiss) return false;
-    Reservoir own = unpack_reservoir(push.reservoirs.v[reservoir_at(view.width * view.height, push.frame.set, pixel)]);
-    take_from_partners(view, id, pixel, own);
+    float left = 0.0;
+    Reservoir own = kEmptyReservoir;
+    if (which.x != kHitMiss) own = take_from_partners(view, id, pixel, left);
+    if (push.frame.keeps_offered != 0u) settle_offered(view, id, pixel, left);
     if (own.point.kind == kSampleNone || own.weight <= 0.0) return false;
     const PathKey key = PathKey(id, push.frame.frame_index, view.seed);
     const Receiver here = receiver_at(view, key, which, bsdf_share(push.frame.candidates), kNow);

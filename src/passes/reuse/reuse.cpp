@@ -9,8 +9,12 @@ namespace parhelion::passes {
 
 namespace {
 
-struct ReusePush {
+struct SeenPush {
     uint64_t view, reservoirs, history;
+    shared::ReuseFrame frame;
+};
+struct ReusePush {
+    uint64_t view, reservoirs, history, diffuse, specular;
     shared::ReuseFrame frame;
 };
 struct TellPush {
@@ -18,8 +22,9 @@ struct TellPush {
     shared::ReuseFrame frame;
 };
 struct LightPush {
-    uint64_t view, control, reservoirs, told, sums, pending, shadow_rays, shadow_list, block, rays;
+    uint64_t view, control, reservoirs, told, sums, pending, shadow_rays, shadow_list, block, rays, diffuse, specular;
     shared::ReuseFrame frame;
+    float exposure;
 };
 
 const char* variant(const ReusePass& pass) { return (pass.scene.features() & shared::kSceneLayers) != 0 ? "+LAYERS" : ""; }
@@ -53,10 +58,16 @@ void reuse_before(const ReusePass& pass) {
     const ReuseState& state = pass.state;
     Pass kernel = pass.exact ? pass.frame.trace("reuse/temporal_seen", pass.way, variant(pass)) : pass.frame.compute("reuse/temporal", variant(pass));
     kernel.scene(pass.scene.binding()).read("view", pass.film.view).read("motion", pass.gbuffer.motion).read_write("reservoirs", state.reservoirs).read("history", state.before);
-    if (pass.exact) kernel.read("identity", pass.gbuffer.identity).read("identity_before", state.identity_before);
+    if (pass.exact) kernel.read("identity", pass.gbuffer.identity).read("identity_before", state.identity_before).push(SeenPush{.frame = pass.settings});
     else
-        kernel.read("summary", pass.gbuffer.summary).read("depth", pass.gbuffer.depth).read("summary_before", state.summary_before).read("depth_before", state.depth_before);
-    kernel.push(ReusePush{.frame = pass.settings}).over(pass.gbuffer.identity.extent());
+        kernel.read("summary", pass.gbuffer.summary)
+            .read("depth", pass.gbuffer.depth)
+            .read("summary_before", state.summary_before)
+            .read("depth_before", state.depth_before)
+            .read_write("diffuse", pass.signals.diffuse)
+            .read_write("specular", pass.signals.specular)
+            .push(ReusePush{.frame = pass.settings});
+    kernel.over(pass.gbuffer.identity.extent());
 }
 
 void tell_partners(const ReusePass& pass) {
@@ -76,6 +87,7 @@ void light_pixels(const ReusePass& pass, const LightPaths& paths) {
     kernel.scene(pass.scene.binding())
         .read("view", pass.film.view)
         .read("identity", pass.gbuffer.identity)
+        .read("summary", pass.gbuffer.summary)
         .read_write("control", paths.machine.control)
         .read("reservoirs", pass.state.reservoirs)
         .read("told", pass.state.told)
@@ -85,7 +97,9 @@ void light_pixels(const ReusePass& pass, const LightPaths& paths) {
         .write("shadow_list", paths.machine.shadow_list)
         .read_write("block", pass.film.block)
         .read_write("rays", pass.film.rays)
-        .push(LightPush{.frame = pass.settings});
+        .read_write("diffuse", pass.signals.diffuse)
+        .read_write("specular", pass.signals.specular)
+        .push(LightPush{.frame = pass.settings, .exposure = pass.exposure});
     kernel.over_all(paths.machine.shape.slots);
 }
 

@@ -23,9 +23,11 @@ struct ReusePass {
     gpu::TraceWay way;
     const Film& film;
     const GBuffer& gbuffer;
+    const Signals& signals;   // with what the paths were offered, if settings.keeps_offered; light_pixels adds what is left of that
     const ReuseState& state;
     bool exact;  // samples are weighed by what they bring, and by two rays each time; else by about that
     shared::ReuseFrame settings;
+    float exposure = 1;
 };
 
 void reuse_before(const ReusePass& pass);  // temporal
