@@ -113,7 +113,7 @@ Shifted shift(ViewData view, LightSampleRef y, Receiver to, uint moment, uint al
     const vec3 wi = wi_ws * to.shading.frame;
     if (!sides_agree(to.shading, wi, wi_ws)) return result;
     const BsdfTerms terms = evaluate_bsdf(to.shading.bsdf, to.shading.outgoing, wi);
-    const BsdfValue value = shared_value(terms.value, to.rough || result.passes);
+    const BsdfValue value = shared_value(terms.value, to.rough);
     if (max_component(total(value)) <= 0.0) return result;
     PathState path = to.path;
     path.pdf = terms.pdf * to.bsdf_share;

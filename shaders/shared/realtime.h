@@ -95,6 +95,7 @@ SHARED_CONST uint kLightDirect = 0u;
 SHARED_CONST uint kLightIndirect = 1u;
 SHARED_CONST uint kLightTransmitted = 2u;
 SHARED_CONST uint kLightReflected = 3u;    // by a mirror before the surface that the pixel shows
+SHARED_CONST uint kLightOffered = 4u;        // all of it to reservoirs
 SHARED_CONST uint kLightStopsAtPanes = 0x100u;  // besides: what comes through panes is another path's
 
 // What a path brought so far, but for what is seen straight: 24 bytes.

@@ -45,7 +45,7 @@ struct PackedReservoir {
 // What a shadow ray of the frame offers, if it is free: 56 bytes a slot.
 struct LightOffer {
     PackedReservoir kept;
-    LightSums brings;      // to the pixel, by its surface's lobes
+    LightSums brings;      // to the pixel, by its surface's lobes; unless LightPending has it (kLightOffered)
 };
 
 // What a path of the frame keeps of its second vertex, for reservoirs: 48 bytes a slot.

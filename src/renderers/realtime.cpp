@@ -15,6 +15,8 @@ constexpr uint32_t kTileRows = 8;           // bands are whole squares of 64 pix
 constexpr uint32_t kPassings = 8, kPassingsWithoutCache = 32;  // panes, and boundaries that are none, along a path of most scatterings
 constexpr uint32_t kMostScatterings = 256;  // of paths without a bound: roulette lets less than one in 100,000 live so long
 
+constexpr uint32_t kAdaptedNeighbours = 2;  // where lights are many
+
 uint32_t reservoir_sets(const RealtimeOptions& options) { return options.reuse_options.sets == ReservoirSets::Split ? 2 : 1; }
 
 // Of the samples that a path was offered one is kept, which brings as much as all of them; but their colours, and what the surface's lobes have of them, are
@@ -60,7 +62,7 @@ Realtime::Realtime(gpu::DevicePtr device, const View& view, const RealtimeOption
     if (options.reuse == RealtimeReuse::Unbiased && options.cache)
         throw Error(ErrorCode::Usage, "the world cache is not unbiased", "realtime.reuse=unbiased", "add --set realtime.cache=off");
     if (options.reuse != RealtimeReuse::None)
-        reuse_.emplace(passes::make_reuse_state(device, gbuffer_.identity.extent(), reservoir_sets(options), options.reuse_options.neighbours, options.reuse == RealtimeReuse::Unbiased));
+        reuse_.emplace(passes::make_reuse_state(device, gbuffer_.identity.extent(), reservoir_sets(options), std::max(options.reuse_options.neighbours, kAdaptedNeighbours), options.reuse == RealtimeReuse::Unbiased));
     if (options.cache) cache_.emplace(device, options.cache_options);
     if (options.reconstruction) reconstruction_.emplace(device, gbuffer_.identity.extent(), gpu::Extent{view.film().width, view.film().height}, *options.reconstruction);
     const uint32_t rows = (options.slots != 0 ? options.slots : passes::usual_light_paths(device->caps())) / traced(view).width / kTileRows * kTileRows;
@@ -117,7 +119,7 @@ passes::LightPass Realtime::light_pass(Frame& frame, const SceneGpu& scene, gpu:
             .reservoirs = reuse_ ? &reuse_->reservoirs : nullptr,
             .settings = {.frame_index = frame_index_,
                          .exposure = options_.exposure,
-                         .candidates = options_.candidates,
+                         .candidates = candidates(scene),
                          .tiles = options_.tiles,
                          .path_bounces = options_.path_bounces,
                          .follows = follows(scene) ? 1u : 0u,
@@ -127,10 +129,29 @@ passes::LightPass Realtime::light_pass(Frame& frame, const SceneGpu& scene, gpu:
             .keeps_offered = reuse_ && keeps_offered(options_)};
 }
 
-// Where lights are few, one of all of them is nearly as good and costs less.
+// So many that one of all of them would seldom be one that matters.
+bool Realtime::has_many_lights(const SceneGpu& scene) const {
+    constexpr uint32_t kMany = 64;
+    return scene.stats().emitters >= kMany;
+}
+
+// Light samples that a first surface chooses among; with reservoirs more of them where lights are many: what is found well is shared.
+uint32_t Realtime::candidates(const SceneGpu& scene) const {
+    constexpr uint32_t kMore = 4, kMost = 64;
+    return reuse_ && options_.reuse_options.adapt_offers && has_many_lights(scene) ? std::min(kMore * options_.candidates, kMost) : options_.candidates;
+}
+
+// And surfaces behind it. Where lights are few, one of all of them is nearly as good and costs less.
 uint32_t Realtime::later_candidates(const SceneGpu& scene) const {
-    constexpr uint32_t kLightsACandidate = 16;
-    return scene.stats().emitters >= kLightsACandidate * options_.later_candidates ? options_.later_candidates : 0;
+    constexpr uint32_t kMore = 2, kMost = 64;
+    if (!has_many_lights(scene)) return 0;
+    return reuse_ && options_.reuse_options.adapt_offers ? std::min(kMore * options_.later_candidates, kMost) : options_.later_candidates;
+}
+
+// Partners of each pixel.
+uint32_t Realtime::neighbours(const SceneGpu& scene) const {
+    const ReuseOptions& options = options_.reuse_options;
+    return options.neighbours != 0 && options.adapt_offers && has_many_lights(scene) ? std::max(options.neighbours, kAdaptedNeighbours) : options.neighbours;
 }
 
 template <class Do>
@@ -165,7 +186,7 @@ void Realtime::light_band(passes::LightPass pass, passes::ReusePass reuse) const
 // What paths have offered goes from frame to frame and from pixel to pixel, and lights them.
 void Realtime::share_light(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const View& view) {
     const ReuseOptions& options = options_.reuse_options;
-    const uint32_t confidence = confidence_for(options, scene.stats().emitters, options_.tiles ? options_.candidates : 1);
+    const uint32_t confidence = confidence_for(options, scene.stats().emitters, options_.tiles ? candidates(scene) : 1);
     passes::ReusePass reuse{.frame = frame,
                             .scene = scene,
                             .way = way,
@@ -175,9 +196,9 @@ void Realtime::share_light(Frame& frame, const SceneGpu& scene, gpu::TraceWay wa
                             .state = *reuse_,
                             .exact = options_.reuse == RealtimeReuse::Unbiased,
                             .settings = {.frame_index = frame_index_,
-                                         .candidates = options_.tiles ? options_.candidates : 0,
+                                         .candidates = options_.tiles ? candidates(scene) : 0,
                                          .most_confidence = confidence,
-                                         .neighbours = options.neighbours,
+                                         .neighbours = neighbours(scene),
                                          .radius_px = options.radius,
                                          .permutation = options.permutation ? 1u : 0u,
                                          .reset = is_cut(view) || confidence == 0,

@@ -51,8 +51,8 @@ void main() {
     const uint kOfferedSalt = 0x4F464445u;
     const LightSums offered = push.offered.v[slot];
     const uvec4 random = pcg4d(uvec4(pixel, push.frame_index, view.seed ^ kOfferedSalt, 0u));
-    push.diffuse.v[pixel] = pack_with_offered(diffuse, offered.diffuse * push.exposure / by.diffuse, random);
-    push.specular.v[pixel] = pack_with_offered(specular, offered.specular * push.exposure / by.specular, random.wzyx * 0x9E3779B9u);
+    push.diffuse.v[pixel] = pack_parts(diffuse, offered.diffuse * push.exposure / by.diffuse, random);
+    push.specular.v[pixel] = pack_parts(specular, offered.specular * push.exposure / by.specular, random.wzyx * 0x9E3779B9u);
 #else
     push.diffuse.v[pixel] = pack_light(diffuse);
     push.specular.v[pixel] = pack_light(specular);

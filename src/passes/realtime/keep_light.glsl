@@ -41,6 +41,10 @@ void keep_event(uint slot, uint pixel, PathClass path_class, uint lobes, NextEve
         diffuse = share * sum;
         specular = (1.0 - share) * sum;
     }
-    push.pending.v[slot] = LightPending(diffuse, pixel, specular, kind);
+    LightPending pending = LightPending(diffuse, pixel, specular, kind);
+#ifdef REUSE
+    if (asks_for_others) pending = LightPending(asked_brings.diffuse, pixel, asked_brings.specular, kLightOffered);
+#endif
+    push.pending.v[slot] = pending;
 }
 #endif

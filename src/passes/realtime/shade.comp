@@ -68,10 +68,10 @@ layout(push_constant, scalar) uniform Push {
 
 Footprint footprint;
 vec3 from_cache = vec3(0.0);  // what the vertex got from there
-#include "realtime/keep_light.glsl"
 #ifdef REUSE
 #include "realtime/share.glsl"
 #endif
+#include "realtime/keep_light.glsl"
 
 // Light samples that a vertex' one is chosen from; 0: it is one of all lights.
 uint candidates_at(bool first) { return push.frame.tiles == 0u ? 0u : first ? push.frame.candidates : push.frame.later_candidates; }
@@ -94,6 +94,7 @@ NextEvent ask_for_light(ViewData view, PathKey key, PathState path, Shading shad
     if (push.round == 0u && may_share(shading.s)) {
         if (!of_sky) u_light.xy = unpack_place(pack_place(u_light.xy));  // as others will have it
         asked = sample_of_light(pick, u_light);
+        asked_rough = is_rough(shading.s);
     }
 #endif
     const LightSample light = sample_light(pick, shading.s.position_ws, u_light);
@@ -205,9 +206,11 @@ VertexResult shade(uint slot) {
 #ifdef REUSE
     share_arriving(view, key, slot, met, came_by, came_with, vertex, of_arriving);
     share_cached(view, key, slot, of_cached);
-    if (vertex.event.exists) share_event(slot, vertex.event, of_event);
 #endif
     keep_arriving(view, slot, pixel, of_arriving, of_cached, lobes, vertex.arriving);
+#ifdef REUSE
+    if (vertex.event.exists) share_event(slot, vertex.event, of_event);
+#endif
     if (vertex.event.exists) keep_event(slot, pixel, of_event, lobes, vertex.event);
     if (vertex.goes_on) {
         push.rays.v[slot] = pack_ray(path);

@@ -7,7 +7,10 @@ LightReuse second = kNoReuse;
 vec3 cached = vec3(0.0);                // what the cache knew, as it leaves the second vertex
 LightSampleRef asked = kNoSampleRef;    // what the shadow ray offers, if it is free,
 float asked_density = 1.0;              // with which it was found,
-vec3 asked_share = vec3(0.0);           // and the share of its light that the second vertex lets others have
+bool asked_rough = false;               // whether the first surface lets others have the light of all its lobes,
+vec3 asked_share = vec3(0.0);           // and the share of its light that the second vertex lets others have;
+LightSums asked_brings = LightSums(vec3(0.0), vec3(0.0));  // what that brings to the pixel,
+bool asks_for_others = false;           // and nothing is left of it that is the path's
 float arrived = 1.0;                    // the throughput's largest part as the path came here,
 vec3 prefix = vec3(1.0);                // and what it lacks
 
@@ -128,23 +131,25 @@ void share_cached(ViewData view, PathKey key, uint slot, inout PathClass path_cl
 
 // And of a light sample, with its shadow ray.
 void share_event(uint slot, inout NextEvent event, inout PathClass path_class) {
-    LightSums taken = LightSums(vec3(0.0), vec3(0.0));
     if (push.round == 0u) {
         if (asked.kind != kSampleNone) {
-            taken = LightSums(event.value.diffuse, event.value.specular);
-            event.value.diffuse = event.value.specular = vec3(0.0);
+            const BsdfValue value = shared_value(event.value, asked_rough);
+            asked_brings = LightSums(value.diffuse, value.specular);
+            event.value.diffuse -= value.diffuse;
+            event.value.specular -= value.specular;
         }
     } else {
         vec3 light = prefix * total(event.value);
-        if (asked.kind != kSampleNone) taken = take_shared(light, path_class, second, asked_share);
+        if (asked.kind != kSampleNone) asked_brings = take_shared(light, path_class, second, asked_share);
         event.value = BsdfValue(light, vec3(0.0), vec3(0.0));
     }
-    const float weight = luminance(taken.diffuse + taken.specular);
+    const float weight = luminance(asked_brings.diffuse + asked_brings.specular);
+    asks_for_others = weight > 0.0 && total(event.value) == vec3(0.0);
     push.offers.v[slot].kept.weight = weight;
     push.offers.v[slot].kept.target = weight * asked_density;
     if (!(weight > 0.0)) return;
     const PackedSample point = pack_sample(asked, 1u);
     STORE_SAMPLE(push.offers.v[slot].kept.point, point)
-    push.offers.v[slot].brings = taken;
+    if (!asks_for_others) push.offers.v[slot].brings = asked_brings;
 }
 #endif

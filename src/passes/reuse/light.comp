@@ -44,10 +44,10 @@ struct Partner {
 
 // False: there is none, or, where the two did not agree about it by rounding, none that both know of.
 bool read_partner(ViewData view, uvec2 id, uint pixel, uint index, out Partner partner) {
-    const uint pixels = view.width * view.height, told = push.told.v[told_at(pixels, push.frame, index, pixel)];
+    const uint pixels = view.width * view.height, told = told_of(push.told.v[told_at(pixels, push.frame, index, pixel)], index);
     if (told == kNoPartner) return false;
     const ivec2 at = partner_of(view, push.frame, id, index, told_turn(told));
-    const uint other = uint(at.y) * view.width + uint(at.x), told_other = push.told.v[told_at(pixels, push.frame, index, other)];
+    const uint other = uint(at.y) * view.width + uint(at.x), told_other = told_of(push.told.v[told_at(pixels, push.frame, index, other)], index);
     partner = Partner(other, told_target(told), told_target(told_other));
     return told_other != kNoPartner && told_turn(told_other) == told_turn(told);
 }
@@ -97,13 +97,19 @@ void add_class(ViewData view, uint pixel, bool indirect, BsdfValue light) {
     film_add_path_classes(push.block, view, pixel, by_class);
 }
 
+bool keeps_classes(ViewData view) {
+    bool keeps = false;
+    for (uint group = kFilmPathDirectDiffuse; group <= kFilmPathIndirectSpecular; ++group) keeps = keeps || view.channel[group] != kNoChannel;
+    return keeps;
+}
+
 // What is left of what the pixel's path was offered joins its own light. In the film's layers it is as direct or indirect as the one sample that stands for it.
 void settle_offered(ViewData view, uvec2 id, uint pixel, float left) {
     const PackedLight diffuse = push.diffuse.v[pixel], specular = push.specular.v[pixel];
     const BsdfValue offered = BsdfValue(left * offered_light(diffuse), left * offered_light(specular), vec3(0.0));
     push.diffuse.v[pixel] = pack_light(own_light(diffuse) + offered.diffuse);
     push.specular.v[pixel] = pack_light(own_light(specular) + offered.specular);
-    if (left <= 0.0) return;
+    if (left <= 0.0 || !keeps_classes(view)) return;
     const bool indirect = is_indirect(push.reservoirs.v[reservoir_at(view.width * view.height, push.frame.set, pixel)].point.bits >> 24 & 7u);
     const Demodulation by = demodulation(imageLoad(summary, ivec2(id)));
     add_class(view, pixel, indirect, BsdfValue(offered.diffuse * by.diffuse / push.exposure, offered.specular * by.specular / push.exposure, vec3(0.0)));
@@ -150,7 +156,7 @@ void count_rays(uint slot, bool shown) {
         bool traced = false;
         if (shown) {
             const uvec2 id = pixel_of(view, push.control.v.slice, slot);
-            if (imageLoad(identity, ivec2(id)).x != kHitMiss) traced = told_traced(push.told.v[told_at(view.width * view.height, push.frame, i, id.y * view.width + id.x)]);
+            if (imageLoad(identity, ivec2(id)).x != kHitMiss) traced = told_traced(told_of(push.told.v[told_at(view.width * view.height, push.frame, i, id.y * view.width + id.x)], i));
         }
         of_pixel += uint(traced);
         of_all += subgroupBallotBitCount(subgroupBallot(traced));

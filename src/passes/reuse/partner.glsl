@@ -5,7 +5,7 @@
 #include "shared/reservoir.h"
 #include "shared/view.h"
 
-const uint kNoPartner = 0xFFFFFFFFu;
+const uint kNoPartner = 0xFFFFu;
 
 // One of the two that a pixel may have: whose partner that one is itself. All pixels' lie off by bits of the same two numbers.
 ivec2 partner_of(ViewData view, ReuseFrame frame, uvec2 id, uint index, uint turn) {
@@ -15,11 +15,17 @@ ivec2 partner_of(ViewData view, ReuseFrame frame, uvec2 id, uint index, uint tur
     return ((ivec2(id) + offset) ^ exchanged) - offset;
 }
 
-// What a partner's sample brings, about; in which turn that partner was found; whether that took a ray.
-uint pack_told(float target, uint turn, bool traced) { return floatBitsToUint(target) & ~3u | (traced ? 2u : 0u) | turn; }
-float told_target(uint told) { return uintBitsToFloat(told & ~3u); }
+// What a partner's sample brings, about; in which turn that partner was found; whether that took a ray. 16 bits: of the number its exponent and 6 bits, which will
+// do for a weight that all who use it have alike.
+const uint kToldShift = 17u, kMostTold = (0x7F800000u >> kToldShift) - 1u;
+uint pack_told(float target, uint turn, bool traced) { return min(floatBitsToUint(target) >> kToldShift, kMostTold) << 2 | (traced ? 2u : 0u) | turn; }
+float told_target(uint told) { return uintBitsToFloat(told >> 2 << kToldShift); }
 uint told_turn(uint told) { return told & 1u; }
 bool told_traced(uint told) { return told != kNoPartner && (told & 2u) != 0u; }
 
-uint told_at(uint pixels, ReuseFrame frame, uint index, uint pixel) { return (frame.set * frame.neighbours + index) * pixels + pixel; }
+// Two partners a word.
+uint told_at(uint pixels, ReuseFrame frame, uint index, uint pixel) { return (frame.set * ((frame.neighbours + 1u) / 2u) + index / 2u) * pixels + pixel; }
+uint told_part(uint index) { return 16u * (index & 1u); }
+uint told_of(uint word, uint index) { return word >> told_part(index) & 0xFFFFu; }
+bool fills_word(ReuseFrame frame, uint index) { return (index & 1u) == 1u || index + 1u == frame.neighbours; }
 #endif

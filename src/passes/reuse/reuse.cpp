@@ -34,7 +34,7 @@ const char* variant(const ReusePass& pass) { return (pass.scene.features() & sha
 ReuseState make_reuse_state(const gpu::DevicePtr& device, gpu::Extent extent, uint32_t sets, uint32_t neighbours, bool exact) {
     const uint64_t bytes = uint64_t{sets} * extent.width * extent.height * sizeof(shared::PackedReservoir);
     const auto image = [&](const char* name, gpu::Format format) { return gpu::Image(device, name, {.format = format, .extent = extent}); };
-    const uint64_t told = uint64_t{sets} * std::max(neighbours, 1u) * extent.width * extent.height;
+    const uint64_t told = uint64_t{sets} * (std::max(neighbours, 1u) + 1) / 2 * extent.width * extent.height;
     ReuseState state{.reservoirs = gpu::Buffer(device, "reuse/reservoirs", bytes),
                      .before = gpu::Buffer(device, "reuse/before", bytes),
                      .told = gpu::Buffer(device, "reuse/told", told * sizeof(uint32_t))};

@@ -9,7 +9,7 @@ namespace parhelion::passes {
 struct ReuseState {
     gpu::Buffer reservoirs;  // PackedReservoir[sets * pixels]: what this frame's paths offer; after temporal reuse what the next frame starts from
     gpu::Buffer before;      // the same: what the last frame left
-    gpu::Buffer told;        // uint[sets * neighbours * pixels]: what partners' samples bring (reuse/partner.glsl)
+    gpu::Buffer told;        // uint[sets * neighbours / 2 * pixels]: what partners' samples bring (reuse/partner.glsl)
     gpu::Image identity_before;               // GBuffer's of the last frame, for exact reuse,
     gpu::Image summary_before, depth_before;  // and for the other
 };

@@ -55,17 +55,17 @@ struct Brought {
 Brought about_brought(LightSampleRef y, Site site, uint moment) {
     Brought brought = Brought(0.0, y.direction, kInfinity);
     if (y.kind == kSampleNone) return brought;
+    const bool glossy = site.alpha >= kRoughEnoughToShare * kRoughEnoughToShare;
     if (y.kind == kSampleLight) {
         const LightSample light = sample_light(LightPick(y.reference, y.number, 1.0), site.position_ws, vec4(unpack_place(y.place), 0.0, 0.0));
         if (light.pdf <= 0.0) return brought;
         brought.wi_ws = light.wi;
         if (!light.infinite) brought.t = distance(light.target_ws, site.position_ws);
-        brought.target = about_scattered(site, light.wi, true) * luminance(light.radiance) * shone(y, moment) / light.pdf;
+        brought.target = about_scattered(site, light.wi, glossy) * luminance(light.radiance) * shone(y, moment) / light.pdf;
         return brought;
     }
-    const bool glossy = site.alpha >= kRoughEnoughToShare * kRoughEnoughToShare;
     if (is_direction(y.kind)) {
-        brought.target = about_scattered(site, y.direction, glossy || y.kind == kSampleSky) * luminance(y.radiance) * shone(y, moment);
+        brought.target = about_scattered(site, y.direction, glossy) * luminance(y.radiance) * shone(y, moment);
         return brought;
     }
     vec3 position_ws, normal;

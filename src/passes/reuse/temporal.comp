@@ -34,13 +34,13 @@ bool find_site_before(ViewData view, uvec2 id, Site here, out ivec2 before, out 
     return here.number == there.number && dot(here.normal_ws, there.normal_ws) >= kLeastSimilarCosine;
 }
 
-// What the path was offered counts for as much more or less as its sample.
+// What the path was offered counts for as much more or less as its sample does.
 void scale_offered(ViewData view, uvec2 id, float by) {
     const uint kScaleSalt = 0x53434F46u, pixel = id.y * view.width + id.x;
     const uvec4 random = pcg4d(uvec4(pixel, push.frame.frame_index, view.seed ^ kScaleSalt, 0u));
     const PackedLight diffuse = push.diffuse.v[pixel], specular = push.specular.v[pixel];
-    push.diffuse.v[pixel].high = pack_rgbe8(offered_light(diffuse) * by, random.xyz);
-    push.specular.v[pixel].high = pack_rgbe8(offered_light(specular) * by, random.wzy * 0x9E3779B9u);
+    push.diffuse.v[pixel] = pack_parts(own_light(diffuse), offered_light(diffuse) * by, random);
+    push.specular.v[pixel] = pack_parts(own_light(specular), offered_light(specular) * by, random.wzyx * 0x9E3779B9u);
 }
 
 void main() {
