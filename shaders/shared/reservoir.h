@@ -3,7 +3,6 @@
 // Importance Sampling".
 #ifndef PARHELION_SHARED_RESERVOIR_H
 #define PARHELION_SHARED_RESERVOIR_H
-#include "shared/realtime.h"
 #include "shared/types.h"
 SHARED_BEGIN
 
@@ -40,12 +39,6 @@ struct PackedReservoir {
     PackedSample point;
     float weight;  // W; while samples are offered: the sum of their weights
     float target;  // luminance of the contribution in the measure of its kind, where and when it was kept
-};
-
-// What a shadow ray of the frame offers, if it is free: 56 bytes a slot.
-struct LightOffer {
-    PackedReservoir kept;
-    LightSums brings;      // to the pixel, by its surface's lobes; unless LightPending has it (kLightOffered)
 };
 
 // What a path of the frame keeps of its second vertex, for reservoirs: 48 bytes a slot.

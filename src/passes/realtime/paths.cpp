@@ -30,7 +30,7 @@ struct ConnectPush {
 };
 struct ConnectReusePush {
     ConnectPush connect;
-    uint64_t offers, reservoirs, offered;
+    uint64_t offers, brings, reservoirs, offered;
     uint32_t frame_index, round, reservoir_sets;
 };
 struct GatherPush {
@@ -72,9 +72,9 @@ void shade_by(const LightPass& pass, const std::string& variant, uint32_t list) 
         .read_write("pending", pass.paths.pending)
         .read_write("distances", pass.signals.distances)
         .read("tiles", pass.tiles);
-    constexpr size_t kAddresses = 15, kOfCache = 1, kOfReuse = 4;
+    constexpr size_t kAddresses = 15, kOfCache = 1, kOfReuse = 5;
     if (pass.cache != nullptr) kernel.read_write("cache", *pass.cache);
-    if (pass.reservoirs != nullptr) kernel.read_write("reservoirs", *pass.reservoirs).read_write("reuse", pass.paths.reuse).write("offers", pass.paths.offers).read_write("offered", pass.paths.offered);
+    if (pass.reservoirs != nullptr) kernel.read_write("reservoirs", *pass.reservoirs).read_write("reuse", pass.paths.reuse).write("offers", pass.paths.offers).write("brings", pass.paths.brings).read_write("offered", pass.paths.offered);
     if (pass.cache != nullptr && pass.reservoirs != nullptr) push_shade<kAddresses + kOfCache + kOfReuse>(kernel, pass, list);
     else if (pass.reservoirs != nullptr) push_shade<kAddresses + kOfReuse>(kernel, pass, list);
     else if (pass.cache != nullptr) push_shade<kAddresses + kOfCache>(kernel, pass, list);
@@ -105,7 +105,8 @@ LightPaths make_light_paths(const gpu::DevicePtr& device, uint32_t slots, const 
             .sums = buffer("sums", slots, sizeof(shared::LightSums)),
             .inside = buffer("inside", needs.layers ? slots : 1, sizeof(shared::LightPathInside)),
             .reuse = buffer("reuse", needs.reservoirs ? slots : 1, sizeof(shared::LightReuse)),
-            .offers = buffer("offers", needs.reservoirs ? slots : 1, sizeof(shared::LightOffer)),
+            .offers = buffer("offers", needs.reservoirs ? slots : 1, sizeof(shared::PackedReservoir)),
+            .brings = buffer("brings", needs.reservoirs ? slots : 1, sizeof(shared::LightSums)),
             .offered = buffer("offered", needs.reservoirs ? slots : 1, sizeof(shared::LightSums))};
 }
 
@@ -163,6 +164,7 @@ void connect_paths(const LightPass& pass) {
     if (pass.reservoirs == nullptr) kernel.push(ConnectPush{});
     else
         kernel.read("offers", pass.paths.offers)
+            .read("brings", pass.paths.brings)
             .read_write("reservoirs", *pass.reservoirs)
             .read_write("offered", pass.paths.offered)
             .push(ConnectReusePush{.frame_index = pass.settings.frame_index, .round = pass.round, .reservoir_sets = pass.settings.reservoir_sets});

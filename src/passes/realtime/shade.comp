@@ -6,7 +6,7 @@
 // Reads: scene, view, identity (what paths meet first), hits (later), lists (a kernel's), tiles. Reads and writes: control, lists (rays),
 // rays, paths, inside, sums, emission, block (path classes, debug layers), with CACHE cache (cells that are missed, and longer lives), and with
 // REUSE reservoirs (what may be shared of the light goes there), offered (all of that) and reuse (second vertices).
-// Writes: shadow_list, shadow_rays, pending, distances (to what the first ray met); REUSE: offers (of the shadow rays).
+// Writes: shadow_list, shadow_rays, pending, distances (to what the first ray met); REUSE: offers and brings (of the shadow rays).
 // variants: CACHE LAYERS LAYERS+CACHE PLAIN+LAYERS+CACHE REUSE CACHE+REUSE LAYERS+REUSE LAYERS+CACHE+REUSE PLAIN+LAYERS+CACHE+REUSE
 #extension GL_GOOGLE_include_directive : require
 #define OWN_SCATTERING
@@ -34,7 +34,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer S
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Light { PackedLight v[]; };
 #ifdef REUSE
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Reuse { LightReuse v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer LightOffers { LightOffer v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer LightOffers { PackedReservoir v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) writeonly buffer Brings { LightSums v[]; };
 #endif
 layout(push_constant, scalar) uniform Push {
     ViewBlock view;
@@ -59,6 +60,7 @@ layout(push_constant, scalar) uniform Push {
     Reservoirs reservoirs;
     Reuse reuse;
     LightOffers offers;
+    Brings brings;
     Sums offered;
 #endif
     RealtimeFrame frame;
@@ -119,7 +121,7 @@ void scatter_at(ViewData view, PathKey key, Shading shading, VertexNumbers u, in
     bool ended = false;
     float density = 0.0;
 #ifdef REUSE
-    note_second(path, shading);
+    if (!straight) note_second(path, shading);
     const float factor = max_component(path.throughput) / arrived;
     const vec3 diffuse_share = path.path_class.diffuse_share;
     const bool splits = (first && !mirror) || (push.round == 1u && is_second());
@@ -157,7 +159,7 @@ void scatter_at(ViewData view, PathKey key, Shading shading, VertexNumbers u, in
 #endif
 #ifdef REUSE
     const vec3 second_diffuse = ended ? vec3(0.0) : path.path_class.diffuse_share;
-    if (push.round == 1u) path.path_class.diffuse_share = diffuse_share;
+    if (push.round == 1u && is_second()) path.path_class.diffuse_share = diffuse_share;
     note_scattering(path, shading, factor, ended ? density : path.pdf, second_diffuse);
 #endif
     // One BSDF sample stands against all candidates.

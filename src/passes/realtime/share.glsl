@@ -131,25 +131,24 @@ void share_cached(ViewData view, PathKey key, uint slot, inout PathClass path_cl
 
 // And of a light sample, with its shadow ray.
 void share_event(uint slot, inout NextEvent event, inout PathClass path_class) {
-    if (push.round == 0u) {
-        if (asked.kind != kSampleNone) {
-            const BsdfValue value = shared_value(event.value, asked_rough);
-            asked_brings = LightSums(value.diffuse, value.specular);
-            event.value.diffuse -= value.diffuse;
-            event.value.specular -= value.specular;
-        }
+    if (asked.kind == kSampleNone) event.value = scale(event.value, prefix);
+    else if (push.round == 0u) {
+        const BsdfValue value = shared_value(event.value, asked_rough);
+        asked_brings = LightSums(value.diffuse, value.specular);
+        event.value.diffuse -= value.diffuse;
+        event.value.specular -= value.specular;
     } else {
         vec3 light = prefix * total(event.value);
-        if (asked.kind != kSampleNone) asked_brings = take_shared(light, path_class, second, asked_share);
+        asked_brings = take_shared(light, path_class, second, asked_share);
         event.value = BsdfValue(light, vec3(0.0), vec3(0.0));
     }
     const float weight = luminance(asked_brings.diffuse + asked_brings.specular);
     asks_for_others = weight > 0.0 && total(event.value) == vec3(0.0);
-    push.offers.v[slot].kept.weight = weight;
-    push.offers.v[slot].kept.target = weight * asked_density;
+    push.offers.v[slot].weight = weight;
+    push.offers.v[slot].target = weight * asked_density;
     if (!(weight > 0.0)) return;
     const PackedSample point = pack_sample(asked, 1u);
-    STORE_SAMPLE(push.offers.v[slot].kept.point, point)
-    if (!asks_for_others) push.offers.v[slot].brings = asked_brings;
+    STORE_SAMPLE(push.offers.v[slot].point, point)
+    if (!asks_for_others) push.brings.v[slot] = asked_brings;
 }
 #endif

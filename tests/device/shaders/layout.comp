@@ -53,7 +53,6 @@ layout(set = 1, binding = 0, scalar) buffer AllStructs {
     LightSums light_sums[2];
     PackedSample packed_sample[2];
     PackedReservoir packed_reservoir[2];
-    LightOffer light_offer[2];
     LightReuse light_reuse[2];
     ReuseFrame reuse_frame[2];
     CacheHeader cache_header[2];
@@ -125,7 +124,6 @@ void main() {
         WRITE(LightSums, light_sums)
         WRITE(PackedSample, packed_sample)
         WRITE(PackedReservoir, packed_reservoir)
-        WRITE(LightOffer, light_offer)
         WRITE(LightReuse, light_reuse)
         WRITE(ReuseFrame, reuse_frame)
         WRITE(CacheFrameData, cache_frame_data)
