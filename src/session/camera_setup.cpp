@@ -106,10 +106,7 @@ MovingCamera set_up_camera(LoadedScene& loaded, const RenderOptions& options, bo
     }
     if (closes == opens) return camera;
     if (later) apply_fov(*later, options);
-    if (later && !same_place(camera.opens, *later))
-        camera.closes = later;
-    else
-        log(LogLevel::Warn, "nothing moves the camera while the shutter is open");
+    if (later && !same_place(camera.opens, *later)) camera.closes = later;
     return camera;
 }
 
