@@ -5,11 +5,13 @@
 #include <thread>
 
 #include "base/error.h"
+#include "gpu/internal.h"
 #include "image/decode.h"
 #include "image/film.h"
 #include "image/tonemap.h"
 #include "support/environment_variable.h"
 #include "support/gpu_fixture.h"
+#include "support/pack_writer.h"
 #include "support/process.h"
 #include "support/render_fixture.h"
 
@@ -233,6 +235,26 @@ TEST_F(InteractiveScene, the_reference_beside_a_realtime_picture_looks_through_t
     for (size_t i = 0; i < picture.size(); ++i) ASSERT_EQ(right[i], i / 4 % 24 == 0 ? 255 : picture[i]) << i;
     ASSERT_TRUE(session.difference());
     EXPECT_GT(session.difference()->flip, 0.0);
+}
+
+// Every shader of the program, with other words that do the same: the generator's number in the module's header.
+std::shared_ptr<const gpu::ShaderPack> same_shaders(uint32_t generator) {
+    std::vector<gpu::ShaderCode> shaders(gpu::ShaderPack::builtin().all().begin(), gpu::ShaderPack::builtin().all().end());
+    for (gpu::ShaderCode& code : shaders) code.words[2] = generator;
+    return std::make_shared<gpu::ShaderPack>(PackWriter().write(shaders));
+}
+
+TEST_F(InteractiveScene, programs_of_shaders_that_were_replaced_are_freed) {
+    Interactive session(initial_state(cornell(2)), device());
+    const std::vector<uint8_t> picture = draw(session);
+    session.use_shaders(same_shaders(1));
+    EXPECT_EQ(draw(session), picture);
+    const size_t programs = device()->impl().programs.size();
+    for (uint32_t generator = 2; generator < 4; ++generator) {
+        session.use_shaders(same_shaders(generator));
+        EXPECT_EQ(draw(session), picture);
+        EXPECT_EQ(device()->impl().programs.size(), programs);
+    }
 }
 
 const std::string* row_of(const PixelReport& report, std::string_view section, std::string_view what) {
