@@ -149,6 +149,8 @@ TEST(GltfAnimation, pointers_move_nodes_their_visibility_lights_and_cameras) {
     EXPECT_CONTAINS(error("/nodes/1/extensions/KHR_node_visibility/visible", bytes, "LINEAR"), "is not interpolated");
     EXPECT_CONTAINS(error("/nodes/1/scale", numbers, "LINEAR"), "expected 3");
     EXPECT_EQ(error("/nodes/-1/scale", vectors, "LINEAR"), "");  // no pointer to anything that moves
+    maker.channel("pointer", times, vectors)["target"].erase("node");
+    EXPECT_TRUE(has_warning(maker.load(), "animates a pointer, but names none"));
 }
 
 TEST(GltfAnimation, keys_must_be_in_order_and_as_many_as_values) {

@@ -53,7 +53,10 @@ size_t object_count(const JsonRef& root, AnimatedPath path) {
 
 std::optional<AnimatedProperty> read_animation_pointer(GltfDocument& document, const JsonRef& target) {
     const std::optional<JsonRef> extension = target.extension("KHR_animation_pointer");
-    if (!extension) target.fail("animates a pointer, but names none", "extensions.KHR_animation_pointer.pointer");
+    if (!extension) {
+        document.warn(target, "animates a pointer, but names none");
+        return std::nullopt;
+    }
     const JsonRef pointer = extension->at("pointer");
     for (const PointerRow& row : kPointers) {
         const std::optional<uint32_t> object = match_pointer(pointer.as_string(), row);
