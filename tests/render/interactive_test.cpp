@@ -237,6 +237,33 @@ TEST_F(InteractiveScene, the_reference_beside_a_realtime_picture_looks_through_t
     EXPECT_GT(session.difference()->flip, 0.0);
 }
 
+// A frame of the realtime renderer takes a CPU much longer than a slice of the reference: at rest most frames are the reference's, and while something
+// moves each has a new picture.
+TEST_F(InteractiveScene, at_rest_a_slow_picture_leaves_the_device_to_the_reference_beside_it) {
+    if (device()->caps().type != gpu::DeviceType::Cpu) GTEST_SKIP() << "the device is not slow";
+    RenderOptions options = cornell(1u << 20);
+    options.size = {480, 360};
+    options.renderer = RendererKind::Realtime;
+    Interactive session(initial_state(options), device());
+    session.split = 0.5f;
+    const auto draw_frames = [&](int count) {
+        const uint64_t before = session.samples();
+        for (int i = 0; i < count; ++i) session.record(), session.finish();
+        return session.samples() - before;
+    };
+    while (session.samples() < 3) draw_frames(1);
+    std::this_thread::sleep_for(std::chrono::milliseconds(600));
+    constexpr int kFrames = 24;
+    draw_frames(kFrames);  // whole pictures again
+    EXPECT_LT(draw_frames(kFrames), kFrames / 2u);
+    EXPECT_GT(session.reference_samples(), 0u);
+    for (int i = 0; i < 4; ++i) {
+        session.set_camera(session.camera());  // the film begins anew
+        session.record(), session.finish();
+        EXPECT_EQ(session.samples(), 1u);
+    }
+}
+
 // Every shader of the program, with other words that do the same: the generator's number in the module's header.
 std::shared_ptr<const gpu::ShaderPack> same_shaders(uint32_t generator) {
     std::vector<gpu::ShaderCode> shaders(gpu::ShaderPack::builtin().all().begin(), gpu::ShaderPack::builtin().all().end());
