@@ -96,13 +96,21 @@ bool takes_the_same(const gpu::ShaderCode& a, const gpu::ShaderCode& b) {
 
 void Frame::use_pack(const gpu::ShaderPack& pack) {
     PARHELION_CHECK(records_.empty(), "shaders change between two frames");
+    std::vector<gpu::Program> replaced;
+    const auto replace = [&](gpu::Program&& old, const gpu::Program& now) {
+        if (old != now) replaced.push_back(std::move(old));
+    };
     for (const ProgramKey& key : programs_) {
         const auto program_of = [&](const gpu::ShaderPack& from) { return gpu::Program::get(device_, from, key.name, key.variant, key.ray_tracing, key.constant); };
-        if (!takes_the_same(program_of(*pack_).code(), program_of(pack).code()))
+        gpu::Program old = program_of(*pack_);
+        const gpu::Program now = program_of(pack);
+        if (!takes_the_same(old.code(), now.code()))
             throw Error(ErrorCode::Failed, "it takes other resources than before", fmt::format("shader {} {}", key.name, key.variant), "build the program again, too");
+        replace(std::move(old), now);
     }
-    for (const auto& [name, make] : raster_programs_) make(pack);
+    for (const auto& [name, make] : raster_programs_) replace(make(*pack_), make(pack));
     pack_ = &pack;
+    for (gpu::Program& program : replaced) gpu::Program::forget(device_, std::move(program));
 }
 
 void Frame::add(Record record) { records_.push_back(std::move(record)); }

@@ -192,7 +192,8 @@ public:
     // Images that passes recorded so far in this frame write, each once, in order: to look at.
     std::vector<gpu::Image> written_images() const;
     // Shaders of the passes from now on, which must outlive this; between two frames. Makes the programs of the passes recorded so far out of
-    // them at once. Throws Error, and keeps the old ones, if one cannot be made or takes other resources than before.
+    // them at once, and frees those that they replace. Throws Error, and keeps the old ones, if one cannot be made or takes other resources than
+    // before. The frames before have run to their end.
     void use_pack(const gpu::ShaderPack& pack);
 
     // Ends the frame by recording it into `commands`, in order, with barriers. The caller submits, and says with
@@ -256,7 +257,7 @@ private:
         auto operator<=>(const ProgramKey&) const = default;
     };
     std::set<ProgramKey> programs_;
-    std::map<std::string, std::function<void(const gpu::ShaderPack&)>> raster_programs_;  // by name and variant: makes them out of another pack
+    std::map<std::string, std::function<gpu::Program(const gpu::ShaderPack&)>> raster_programs_;  // by name and variant: makes them out of another pack
     std::map<std::string, gpu::Image> images_;
     std::map<std::string, gpu::Buffer> buffers_;
     std::map<std::string, uint64_t> history_written_;  // frame serial that last wrote each history

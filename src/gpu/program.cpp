@@ -1,6 +1,7 @@
 // Pipelines from shader code: compute, and ray tracing with the scene's hit and miss shaders.
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "base/hash.h"
 #include "gpu/program_parts.h"
@@ -280,6 +281,16 @@ std::shared_ptr<Program::Data> keep_program(const DevicePtr& device, const std::
     };
     const auto hold = std::make_shared<Hold>(Hold{device, std::move(data)});
     return {hold, hold->data.get()};
+}
+
+void Program::forget(const DevicePtr& device, Program&& program) {
+    const Data* data = std::exchange(program, {}).data_.get();  // its handle ends here
+    Device::Impl& impl = device->impl();
+    const std::lock_guard lock(impl.mutex);
+    const auto found = std::ranges::find_if(impl.programs, [&](const auto& kept) { return kept.second.get() == data; });
+    if (found == impl.programs.end() || found->second.use_count() > 1) return;
+    found->second->destroy(impl);
+    impl.programs.erase(found);
 }
 
 const ShaderCode& Program::code() const { return data_->code; }

@@ -103,6 +103,8 @@ public:
     // all bindings, addresses, and the colour outputs, which must be as many as the target has. They only read.
     static Program get_raster(const DevicePtr& device, const ShaderPack& pack, std::string_view name, std::string_view variant, const RasterState& state,
                               const RasterTarget& target);
+    // Frees the program where no other handle of it is left; the next get() makes it anew. The device must be done with it.
+    static void forget(const DevicePtr& device, Program&& program);
     // What the two shaders declare, without words.
     static ShaderCode raster_code(const ShaderPack& pack, std::string_view name, std::string_view variant);
 
@@ -110,6 +112,7 @@ public:
     const ShaderCode& code() const;  // of the compute shader or raygen, of vertex and fragment shader together
     bool uses_scene_set() const;     // declares anything in set 0
     const std::shared_ptr<Data>& data() const { return data_; }
+    friend bool operator==(const Program& a, const Program& b) { return a.data_.get() == b.data_.get(); }
 
 private:
     std::shared_ptr<Data> data_;

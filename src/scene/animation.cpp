@@ -82,6 +82,18 @@ void sample_channel(const AnimationChannel& c, double seconds, std::span<float> 
     if (rotation) normalize_rotation(out);
 }
 
+uint32_t moved_slot(const AnimationChannel& c) {
+    switch (object_of(c.path)) {
+        case AnimatedObject::Light:
+            return c.light.index;
+        case AnimatedObject::Camera:
+            return c.camera.index;
+        case AnimatedObject::Node:
+            break;
+    }
+    return c.node.index;
+}
+
 std::vector<Handle<Animation>> choose_animations(const Scene& scene, std::string_view wanted) {
     std::vector<Handle<Animation>> all;
     for (const auto& [handle, animation] : scene.animations()) {
@@ -98,8 +110,8 @@ std::vector<Handle<Animation>> choose_animations(const Scene& scene, std::string
     std::erase_if(all, [&](Handle<Animation> handle) {
         const std::vector<AnimationChannel>& channels = scene.get(handle).channels;
         for (const AnimationChannel& c : channels)
-            if (moved.contains({c.node.index, c.path})) return true;
-        for (const AnimationChannel& c : channels) moved.insert({c.node.index, c.path});
+            if (moved.contains({moved_slot(c), c.path})) return true;
+        for (const AnimationChannel& c : channels) moved.insert({moved_slot(c), c.path});
         return false;
     });
     return all;

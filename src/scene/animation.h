@@ -13,7 +13,10 @@ namespace parhelion {
 // (rotations by slerp on the shorter way), or cubic Hermite splines (rotations are normalised).
 void sample_channel(const AnimationChannel& channel, double seconds, std::span<float> out);
 
-// By name, else by index in slot order. Empty: every animation, in slot order, that moves no property of a node which one chosen
+// The slot of what the channel moves: channels of one path and slot move the same.
+uint32_t moved_slot(const AnimationChannel& channel);
+
+// By name, else by index in slot order. Empty: every animation, in slot order, that moves no property of an object which one chosen
 // before it moves. Throws a usage Error that lists the animations.
 std::vector<Handle<Animation>> choose_animations(const Scene& scene, std::string_view name_or_index);
 

@@ -176,6 +176,7 @@ struct Scene::Checker {
         require(step.handle, "set_transform");
         detail::check_value(step.local);
     }
+    void operator()(const edit_step::Show& step) const { require(step.handle, "set_visible"); }
     void operator()(const edit_step::Pose& step) {
         require(step.handle, "set_pose");
         if (step.posed) require(step.posed, "set_pose");
@@ -320,6 +321,12 @@ struct Scene::Applier {
         }
         dirty<T>().push_back(handle);
     }
+    void operator()(edit_step::Show& step) {
+        const Handle<Node> handle = changes.resolve(step.handle);
+        table<Node>().change(handle).visible = step.visible;
+        changes.nodes.changed.push_back(handle);
+        dirty_nodes.push_back(handle);
+    }
     void operator()(edit_step::Pose& step) {
         const Handle<Instance> handle = changes.resolve(step.handle);
         Instance& instance = table<Instance>().change(handle);
@@ -373,8 +380,10 @@ struct Scene::Applier {
             Node& node = table<Node>().change(handle);
             const glm::dmat4 local(matrix_of(node.local));
             const glm::dmat4 world = node.parent ? table<Node>().get(node.parent).world_from_node * local : local;
-            if (world != node.world_from_node) changes.nodes.changed.push_back(handle);
+            const bool shown = node.visible && (!node.parent || table<Node>().get(node.parent).shown);
+            if (world != node.world_from_node || shown != node.shown) changes.nodes.changed.push_back(handle);
             node.world_from_node = world;
+            node.shown = shown;
             stack.insert(stack.end(), node.children.begin(), node.children.end());
             dirty_instances.insert(dirty_instances.end(), node.instances.begin(), node.instances.end());
             dirty_lights.insert(dirty_lights.end(), node.lights.begin(), node.lights.end());
@@ -391,12 +400,14 @@ struct Scene::Applier {
             Placement& place = table<T>().change(handle).place;
             glm::mat4 world = place.node_from_object;
             if (place.node) world = glm::mat4(table<Node>().get(place.node).world_from_node * glm::dmat4(place.node_from_object));
+            const bool shown = !place.node || table<Node>().get(place.node).shown, shows_or_hides = shown != place.shown;
+            place.shown = shown;
             if (fresh.contains(handle)) {
                 place.world_from_object = place.world_from_object_before = world;
                 continue;
             }
-            if (world == place.world_from_object) continue;
-            if (place.world_from_object == place.world_from_object_before) moved.push_back(handle);
+            if (world == place.world_from_object && !shows_or_hides) continue;
+            if (world != place.world_from_object && place.world_from_object == place.world_from_object_before) moved.push_back(handle);
             place.world_from_object = world;
             changes.of<T>().changed.push_back(handle);
         }

@@ -38,6 +38,9 @@ public:
     void set_transform(Handle<Light> light, const glm::mat4& matrix);
     void set_transform(Handle<Camera> camera, const glm::mat4& matrix);
 
+    // Whether what stands on the node and below it is there: see Node::visible.
+    void set_visible(Handle<Node> node, bool visible);
+
     // How an instance is deformed now: the mesh to draw (none: its own), and the weights of its morph targets (empty: the mesh's).
     // A mesh that names the instance's own as its Mesh::rest comes onto the device much faster.
     void set_pose(Handle<Instance> instance, Handle<Mesh> posed, std::vector<float> weights);

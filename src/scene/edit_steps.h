@@ -21,6 +21,10 @@ struct Move {
     Handle<T> handle;
     Transform local;
 };
+struct Show {
+    Handle<Node> handle;
+    bool visible;
+};
 struct Pose {
     Handle<Instance> handle;
     Handle<Mesh> posed;
@@ -50,7 +54,7 @@ constexpr size_t kKind = position_in<T>(SceneTypes{});
 constexpr size_t kKindCount = position_in<void>(SceneTypes{});
 
 template <class... Ts>
-using StepOf = std::variant<edit_step::Add<Ts>..., edit_step::Remove<Ts>..., edit_step::Move<Node>, edit_step::Move<Instance>, edit_step::Move<Light>, edit_step::Move<Camera>, edit_step::Pose,
+using StepOf = std::variant<edit_step::Add<Ts>..., edit_step::Remove<Ts>..., edit_step::Move<Node>, edit_step::Move<Instance>, edit_step::Move<Light>, edit_step::Move<Camera>, edit_step::Show, edit_step::Pose,
                             edit_step::Replace<Material>, edit_step::Replace<Light>, edit_step::Replace<Camera>, Environment, SceneSource>;
 struct SceneEdit::Step {
     StepOf<Image, Texture, Material, Mesh, Node, Skin, Animation, Instance, Light, Camera> value;

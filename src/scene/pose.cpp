@@ -36,6 +36,27 @@ void check_joints(const Mesh& mesh, size_t joint_count) {
                         fmt::format("mesh '{}'", escape_name(mesh.name)));
 }
 
+constexpr float kLeastExtent = 1e-4f;  // radians of a cone or a picture, metres of a picture
+
+uint32_t width_of(const AnimationChannel& channel) {
+    switch (channel.path) {
+        case AnimatedPath::Weights:
+            return channel.width;
+        case AnimatedPath::Rotation:
+            return 4;
+        case AnimatedPath::Translation:
+        case AnimatedPath::Scale:
+        case AnimatedPath::Color:
+            return 3;
+        default:
+            return 1;
+    }
+}
+
+// In all that an animation can change.
+bool alike(const Light& a, const Light& b) { return a.color == b.color && a.intensity == b.intensity && a.inner_cone == b.inner_cone && a.outer_cone == b.outer_cone; }
+bool alike(const Camera& a, const Camera& b) { return a.yfov == b.yfov && a.xmag == b.xmag && a.ymag == b.ymag; }
+
 // A form of the mesh `handle`, or, of a mesh that is one itself, another of that. Joints that mirror turn triangles over, which only a
 // shape that is made here can show.
 Mesh make_form(const Mesh& rest, Handle<Mesh> handle, MeshDeformation&& deformation) {
@@ -57,15 +78,24 @@ public:
         play(seconds, animation);
         for (const auto& [handle, node] : scene_.nodes())
             if (const auto found = locals_.find(handle); found != locals_.end()) edit_.set_transform(handle, found->second);
+        for (const auto& [handle, visible] : visible_)
+            if (visible != scene_.get(handle).visible) edit_.set_visible(handle, visible);
+        for (const auto& [handle, light] : lights_)
+            if (!alike(light, scene_.get(handle))) edit_.set_light(handle, light);
+        for (const auto& [handle, camera] : cameras_)
+            if (!alike(camera, scene_.get(handle))) edit_.set_camera(handle, camera);
         find_places();
         deform();
         return std::move(edit_);
     }
 
-    glm::mat4 place_at(const Placement& place, double seconds, std::string_view animation) {
+    Camera camera_at(Handle<Camera> handle, double seconds, std::string_view animation) {
         play(seconds, animation);
         find_places();
-        return place_of(place);
+        const auto found = cameras_.find(handle);
+        Camera camera = found == cameras_.end() ? scene_.get(handle) : found->second;
+        camera.place.world_from_object = place_of(camera.place);
+        return camera;
     }
 
 private:
@@ -80,6 +110,10 @@ private:
     void play(double seconds, std::string_view animation) {
         for (const Handle<Animation> handle : choose_animations(scene_, animation))
             for (const AnimationChannel& channel : scene_.get(handle).channels) play(scene_.get(handle), channel, seconds);
+        for (const Handle<Light> handle : cones_) {
+            Light& light = lights_.at(handle);
+            light.inner_cone = std::clamp(light.inner_cone, 0.0f, light.outer_cone);
+        }
     }
 
     void play(const Animation& animation, const AnimationChannel& channel, double seconds) {
@@ -89,19 +123,45 @@ private:
             if (!std::isfinite(x))
                 throw Error(ErrorCode::Failed, fmt::format("has no finite value at {} seconds", seconds),
                             fmt::format("animation '{}'", escape_name(animation.name)));
+        if (channel.width != width_of(channel)) return;
+        if (object_of(channel.path) == AnimatedObject::Light) return play_light(channel, v);
+        if (object_of(channel.path) == AnimatedObject::Camera) return play_camera(channel, v[0]);
+        if (channel.path == AnimatedPath::Visible) {
+            visible_[channel.node] = v[0] != 0.0f;
+            return;
+        }
         const Node& node = scene_.get(channel.node);
         if (channel.path == AnimatedPath::Weights) {
             if (charge_) charge_(node.instances.size() * v.size() * 4 * sizeof(float));
             for (const Handle<Instance> instance : node.instances) weights_[instance] = v;
             return;
         }
-        if (channel.width != (channel.path == AnimatedPath::Rotation ? 4u : 3u)) return;
         Transform& local = locals_.try_emplace(channel.node, node.local).first->second;
         local.matrix.reset();  // glTF 2.0, 3.11: only nodes without one are animated
         if (channel.path == AnimatedPath::Rotation)
             local.rotation = glm::quat(v[3], v[0], v[1], v[2]);
         else
             (channel.path == AnimatedPath::Scale ? local.scale : local.translation) = glm::vec3(v[0], v[1], v[2]);
+    }
+
+    // Splines may leave the range between their keys: such values are pulled to its end.
+    void play_light(const AnimationChannel& channel, std::span<const float> v) {
+        constexpr float kHalfPi = 1.5707963f;
+        Light& light = lights_.try_emplace(channel.light, scene_.get(channel.light)).first->second;
+        if (channel.path == AnimatedPath::Color) light.color = glm::max(glm::vec3(v[0], v[1], v[2]), glm::vec3(0.0f));
+        if (channel.path == AnimatedPath::Intensity) light.intensity = std::max(v[0], 0.0f);
+        if (channel.path == AnimatedPath::OuterCone) light.outer_cone = std::clamp(v[0], kLeastExtent, kHalfPi);
+        if (channel.path == AnimatedPath::InnerCone) light.inner_cone = v[0];
+        // The other of both may follow in a later channel; in the end the inner one gives way.
+        if (channel.path == AnimatedPath::InnerCone || channel.path == AnimatedPath::OuterCone) cones_.insert(channel.light);
+    }
+
+    void play_camera(const AnimationChannel& channel, float value) {
+        constexpr float kMostAngle = 3.14159f;
+        Camera& camera = cameras_.try_emplace(channel.camera, scene_.get(channel.camera)).first->second;
+        if (channel.path == AnimatedPath::Yfov) camera.yfov = std::clamp(value, kLeastExtent, kMostAngle);
+        if (channel.path == AnimatedPath::Xmag) camera.xmag = std::max(std::abs(value), kLeastExtent);
+        if (channel.path == AnimatedPath::Ymag) camera.ymag = std::max(std::abs(value), kLeastExtent);
     }
 
     void find_places() {
@@ -221,6 +281,10 @@ private:
     const std::function<void(uint64_t)> charge_;
     SceneEdit edit_;
     std::unordered_map<Handle<Node>, Transform> locals_;  // of nodes that an animation moves
+    std::unordered_map<Handle<Node>, bool> visible_;
+    std::unordered_map<Handle<Light>, Light> lights_;
+    std::unordered_set<Handle<Light>> cones_;  // of which a cone moves
+    std::unordered_map<Handle<Camera>, Camera> cameras_;
     std::unordered_map<Handle<Instance>, std::vector<float>> weights_;
     std::vector<glm::dmat4> worlds_;  // by node slot
     std::unordered_map<Handle<Skin>, std::vector<glm::dmat4x3>> palettes_;
@@ -234,8 +298,8 @@ SceneEdit pose_at(const Scene& scene, double seconds, std::string_view animation
     return Poser(scene, charge).run(seconds, animation);
 }
 
-glm::mat4 place_at(const Scene& scene, const Placement& place, double seconds, std::string_view animation) {
-    return Poser(scene, {}).place_at(place, seconds, animation);
+Camera camera_at(const Scene& scene, Handle<Camera> camera, double seconds, std::string_view animation) {
+    return Poser(scene, {}).camera_at(camera, seconds, animation);
 }
 
 }  // namespace parhelion

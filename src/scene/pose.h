@@ -8,7 +8,7 @@
 namespace parhelion {
 
 // What brings the scene to `seconds` of its animations (`animation`: see choose_animations); what none of them moves stays as it
-// is. The edit moves nodes, sets morph weights, and gives every instance that a skin or a weight other than 0 deforms a posed mesh
+// is. The edit moves, shows and hides nodes, changes lights and cameras, sets morph weights, and gives every instance that a skin or a weight other than 0 deforms a posed mesh
 // (Instance::posed) in its own object space, a form of its mesh (Mesh::rest) without targets and joints; morph targets act before the
 // skin (glTF 2.0, 3.7.2.2).
 // Instances without skin that share mesh and weights share the posed mesh. Posed meshes that this leaves without a user are removed.
@@ -19,7 +19,7 @@ namespace parhelion {
 SceneEdit pose_at(const Scene& scene, double seconds, std::string_view animation = {},
                   const std::function<void(uint64_t bytes)>& charge = {});
 
-// Where something stands at `seconds` of the animations, whatever the scene's own moment: world_from_object. Throws as pose_at does.
-glm::mat4 place_at(const Scene& scene, const Placement& place, double seconds, std::string_view animation = {});
+// A camera as it is at `seconds` of the animations, with its place, whatever the scene's own moment. Throws as pose_at does.
+Camera camera_at(const Scene& scene, Handle<Camera> camera, double seconds, std::string_view animation = {});
 
 }  // namespace parhelion

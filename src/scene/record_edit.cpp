@@ -54,6 +54,7 @@ void SceneEdit::set_transform(Handle<Node> node, const Transform& local) { steps
 void SceneEdit::set_transform(Handle<Instance> instance, const glm::mat4& matrix) { steps_.push_back({Move<Instance>{instance, {.matrix = matrix}}}); }
 void SceneEdit::set_transform(Handle<Light> light, const glm::mat4& matrix) { steps_.push_back({Move<Light>{light, {.matrix = matrix}}}); }
 void SceneEdit::set_transform(Handle<Camera> camera, const glm::mat4& matrix) { steps_.push_back({Move<Camera>{camera, {.matrix = matrix}}}); }
+void SceneEdit::set_visible(Handle<Node> node, bool visible) { steps_.push_back({Show{node, visible}}); }
 void SceneEdit::set_pose(Handle<Instance> instance, Handle<Mesh> posed, std::vector<float> weights) { steps_.push_back({Pose{instance, posed, std::move(weights)}}); }
 void SceneEdit::set_material(Handle<Material> handle, Material value) { steps_.push_back({Replace<Material>{handle, std::move(value)}}); }
 void SceneEdit::set_light(Handle<Light> handle, Light value) { steps_.push_back({Replace<Light>{handle, std::move(value)}}); }

@@ -121,7 +121,7 @@ Bounds Scene::bounds() const {
     for (const auto& [handle, instance] : instances()) {
         const Mesh& mesh = get(instance.drawn_mesh());
         const Bounds box = mesh.deformation ? bounds_of_shape(*this, mesh) : mesh.bounds;
-        if (box.empty() || !drawable(instance.place.world_from_object)) continue;
+        if (box.empty() || !can_be_seen(instance.place)) continue;
         for (int corner = 0; corner < 8; ++corner) {
             const glm::vec3 p(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y, corner & 4 ? box.max.z : box.min.z);
             world.add(glm::vec3(instance.place.world_from_object * glm::vec4(p, 1.0f)));

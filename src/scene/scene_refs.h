@@ -40,7 +40,12 @@ void visit_refs(Skin& skin, V&& visit) {
 }
 template <class V>
 void visit_refs(Animation& animation, V&& visit) {
-    for (AnimationChannel& channel : animation.channels) visit(channel.node, true);
+    for (AnimationChannel& channel : animation.channels) {
+        const AnimatedObject object = object_of(channel.path);
+        visit(channel.node, object == AnimatedObject::Node);
+        visit(channel.light, object == AnimatedObject::Light);
+        visit(channel.camera, object == AnimatedObject::Camera);
+    }
 }
 template <class V>
 void visit_refs(Light& light, V&& visit) {

@@ -226,7 +226,9 @@ struct Node {
     std::string name;
     Handle<Node> parent;  // none: a root
     Transform local;
-    glm::dmat4 world_from_node{1.0};  // kept by Scene, like all below
+    bool visible = true;  // false: nothing that stands on it or below it is there, but cameras (KHR_node_visibility)
+    bool shown = true;    // kept by Scene, like all below: visible, and so are all above
+    glm::dmat4 world_from_node{1.0};
     std::vector<Handle<Node>> children;
     std::vector<Handle<Instance>> instances;
     std::vector<Handle<Light>> lights;
@@ -237,6 +239,7 @@ struct Node {
 struct Placement {
     Handle<Node> node;
     glm::mat4 node_from_object{1.0f};
+    bool shown = true;                         // kept by Scene: Node::shown
     glm::mat4 world_from_object{1.0f};         // kept by Scene
     glm::mat4 world_from_object_before{1.0f};  // kept by Scene: one frame ago
 };
@@ -264,6 +267,7 @@ struct Instance {
 bool mirrors(const glm::mat4& world_from_object);
 // False for singular or non-finite transforms: nothing of the instance can be seen.
 bool drawable(const glm::mat4& world_from_object);
+inline bool can_be_seen(const Placement& place) { return place.shown && drawable(place.world_from_object); }
 
 // ---- animation ----
 
@@ -275,17 +279,24 @@ struct Skin {
     std::vector<glm::mat4> inverse_bind;  // as many as joints
 };
 
-enum class AnimatedPath { Translation, Rotation, Scale, Weights };
+// Properties of a node, of a light, of a camera, in this order.
+enum class AnimatedPath { Translation, Rotation, Scale, Weights, Visible, Color, Intensity, InnerCone, OuterCone, Yfov, Xmag, Ymag };
+enum class AnimatedObject { Node, Light, Camera };
+constexpr AnimatedObject object_of(AnimatedPath path) {
+    return path < AnimatedPath::Color ? AnimatedObject::Node : path < AnimatedPath::Yfov ? AnimatedObject::Light : AnimatedObject::Camera;
+}
 enum class Interpolation { Step, Linear, CubicSpline };
 
-// One property of one node over time (glTF 2.0, 3.11 and appendix C).
+// One property of one object over time (glTF 2.0, 3.11 and appendix C; KHR_animation_pointer).
 struct AnimationChannel {
-    Handle<Node> node;
+    Handle<Node> node;  // or `light` or `camera`: see object_of(path)
     AnimatedPath path = AnimatedPath::Translation;
     Interpolation interpolation = Interpolation::Linear;
-    uint32_t width = 3;         // numbers a key: 3; rotation 4 (x, y, z, w); weights: the number of targets
+    uint32_t width = 3;         // numbers a key: 3; rotation 4 (x, y, z, w); weights: the number of targets; of what is one number 1
     std::vector<float> times;   // seconds, increasing; not empty
     std::vector<float> values;  // width numbers a key; cubic spline: in-tangent, value, out-tangent of width numbers each
+    Handle<Light> light;
+    Handle<Camera> camera;
 };
 
 struct Animation {

@@ -24,6 +24,24 @@ double looseness(std::span<const glm::vec2> areas) {
     return triangles > 0 ? boxes / triangles : 0;
 }
 
+// As decay.comp does it.
+double looseness_of(const Mesh& mesh) {
+    std::vector<glm::vec2> areas;
+    for (const Primitive& p : mesh.primitives)
+        for (size_t first = 0; first < p.triangles.size(); first += shared::kWorkChunk) {
+            Bounds box;
+            float area = 0;
+            for (size_t i = first; i < std::min<size_t>(first + shared::kWorkChunk, p.triangles.size()); ++i) {
+                const glm::vec3 &a = p.positions[p.triangles[i].x], &b = p.positions[p.triangles[i].y], &c = p.positions[p.triangles[i].z];
+                for (const glm::vec3& corner : {a, b, c}) box.add(corner);
+                area += 0.5f * glm::length(glm::cross(b - a, c - a));
+            }
+            const glm::vec3 extent = box.max - box.min;
+            areas.emplace_back(2.0f * glm::dot(extent, glm::vec3(extent.y, extent.z, extent.x)), area);
+        }
+    return looseness(areas);
+}
+
 }  // namespace
 
 // Of forms that have come to the device since: of those of meshes whose trees are new, the next one as what others are held against.
@@ -36,6 +54,8 @@ void SceneGpu::State::measure_decay(Frame& frame) {
         if (!form.rest || !form.uploaded || form.looked_at) continue;
         form.looked_at = true;
         MeshOnDevice& rest = meshes.at(form.rest);
+        // Where all forms have arrays of their own, those of the mesh at rest need not be on the device.
+        if (rest.looseness == 0 && !rest.base_asked && !rest.tree_of_form && !rest.uploaded) rest.looseness = looseness_of(scene->get(form.rest));
         const bool is_base = rest.looseness == 0 && !rest.base_asked;
         if (rest.forms_made++ % kFormsAMeasure != 0 && !is_base) continue;
         rest.base_asked |= is_base;

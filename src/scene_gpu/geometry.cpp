@@ -52,7 +52,7 @@ std::vector<bool> find_drawn(const Scene& scene) {
     std::vector<bool> drawn(scene.meshes().slot_count(), false);
     for (const auto& [handle, instance] : scene.instances()) {
         const uint32_t mesh = instance.drawn_mesh().index;
-        if (!drawn[mesh] && drawable(instance.place.world_from_object)) drawn[mesh] = true;
+        if (!drawn[mesh] && can_be_seen(instance.place)) drawn[mesh] = true;
     }
     return drawn;
 }

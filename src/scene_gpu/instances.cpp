@@ -78,7 +78,7 @@ std::vector<uint32_t> SceneGpu::State::assign_instance_rows() {
     instance_handles.assign(instances.size(), {});
     std::vector<Handle<Instance>> new_ones;
     for (const auto& [handle, instance] : all) {
-        if (!drawable(instance.place.world_from_object) || scene->get(instance.drawn_mesh()).triangle_count == 0) continue;
+        if (!can_be_seen(instance.place) || scene->get(instance.drawn_mesh()).triangle_count == 0) continue;
         const InstanceRow old = handle.index < rows_before.size() ? rows_before[handle.index] : InstanceRow{};
         if (old.generation != handle.generation) {
             new_ones.push_back(handle);

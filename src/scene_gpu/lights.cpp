@@ -143,6 +143,7 @@ void SceneGpu::State::place_emitters() {
         }
     }
     for (const auto& [handle, light] : scene->lights()) {
+        if (!light.place.shown) continue;
         const glm::mat4& world = light.place.world_from_object;
         const glm::vec3 intensity = light.color * light.intensity;
         shared::Emitter row{.kind = light.kind == LightKind::Directional ? shared::kEmitterDirectional : light.kind == LightKind::Spot ? shared::kEmitterSpot : shared::kEmitterPoint,

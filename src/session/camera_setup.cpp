@@ -20,11 +20,7 @@ constexpr double kNothing = std::numeric_limits<double>::infinity();
 Camera moved_camera(LoadedScene& loaded, Handle<Camera> handle, const LoadOptions& load, double seconds) {
     Scene& scene = loaded.scene;
     const auto edit = std::find_if(loaded.scripted_edits.begin(), loaded.scripted_edits.end(), [&](const ScriptedEdit& e) { return e.name == load.animate; });
-    if (edit == loaded.scripted_edits.end()) {
-        Camera camera = scene.get(handle);
-        camera.place.world_from_object = place_at(scene, camera.place, seconds, load.animation);
-        return camera;
-    }
+    if (edit == loaded.scripted_edits.end()) return camera_at(scene, handle, seconds, load.animation);
     scene.apply(edit->apply(scene, seconds));
     const Camera camera = scene.get(handle);
     scene.apply(edit->apply(scene, load.time));
@@ -68,7 +64,7 @@ bool may_meet(const glm::dvec3& origin, const glm::dvec3& direction, const Bound
 float find_focus(const Scene& scene, const CameraView& view, bool culling) {
     double nearest = kNothing;
     for (const auto& [handle, instance] : scene.instances()) {
-        if (!drawable(instance.place.world_from_object)) continue;
+        if (!can_be_seen(instance.place)) continue;
         const Mesh& mesh = scene.get(instance.drawn_mesh());
         const glm::dmat4 object_from_world = glm::inverse(glm::dmat4(instance.place.world_from_object));
         const glm::dvec3 origin(object_from_world * glm::dvec4(view.position, 1.0)), direction(object_from_world * glm::dvec4(view.forward, 0.0));
@@ -110,10 +106,7 @@ MovingCamera set_up_camera(LoadedScene& loaded, const RenderOptions& options, bo
     }
     if (closes == opens) return camera;
     if (later) apply_fov(*later, options);
-    if (later && !same_place(camera.opens, *later))
-        camera.closes = later;
-    else
-        log(LogLevel::Warn, "nothing moves the camera while the shutter is open");
+    if (later && !same_place(camera.opens, *later)) camera.closes = later;
     return camera;
 }
 

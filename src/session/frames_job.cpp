@@ -191,6 +191,7 @@ bool FramesJob::move_to(uint64_t frame) {
             camera_.closes = played_camera_->at(scene, closes);
         }
         changes.append(scene.apply(state_at(loaded_, options_.load, seconds)));
+        open_shutter(seconds);
         camera_.opens = played_camera_->at(scene, seconds);
     }
     const float aspect = static_cast<float>(options_.size.width) / static_cast<float>(options_.size.height);
@@ -213,7 +214,9 @@ bool FramesJob::draw(uint64_t frame) {
 
 bool FramesJob::draw_slices(View& view, IndexRange samples) {
     Slicer slicer = make_slicer(samples);
-    while (const auto slice = slicer.next()) {
+    while (slicer.whole_samples() < samples.end) {
+        if (!stand_at(slicer.whole_samples())) return false;
+        const auto slice = slicer.next();
         const auto begin = Clock::now();
         JobBase::draw(view, *slice, slice->first_sample + slice->sample_count == samples.end);
         slicer.measured(*slice, seconds_since(begin));

@@ -166,8 +166,7 @@ void Interactive::set_up_view() {
     drawer_ = make_drawer(options_.renderer, settings_, options_.denoise);
     replace_view();
     preview_.reset();
-    beside_.reset();
-    beside_picture_ = {};
+    close_beside();
 }
 
 // The film's samples are of something that is no more.
@@ -178,7 +177,16 @@ void Interactive::clear_film() {
     denoised_ = {};
     denoised_samples_ = 0;
     preview_samples_ = 0;
+    ahead_ = 0;
     fresh_ = true;
+}
+
+// Of the film's layers those that were looked into go as well.
+void Interactive::forget_pick() {
+    picked_.reset();
+    to_pick_.reset();
+    probes_frame_ = false;
+    if (std::exchange(probes_layers_, false) && view_) replace_view();
 }
 
 void Interactive::clear() {

@@ -60,7 +60,7 @@ public:
     gpu::Image record();
     void finish();
     Frame& frame() { return *frame_; }
-    const std::vector<PassTime>& passes() const { return passes_; }  // of the last frame
+    const std::vector<PassTime>& passes() const { return passes_; }  // of the last frame that drew the picture
     InteractiveState state() const;
     double frame_seconds() const { return frame_seconds_; }          // of the last frame, by the clock, the wait for the display included
 
@@ -112,7 +112,7 @@ public:
     // Looks into a pixel of the window with the next frame, and again whenever asked. What is known of the last one asked for:
     void pick(glm::uvec2 pixel) { to_pick_ = pixel; }
     const std::optional<PixelReport>& picked() const { return picked_; }
-    void forget_pick() { picked_.reset(); }
+    void forget_pick();
     bool is_picking() const { return to_pick_ || probes_frame_ || probe_; }
     // Images that the passes of the last frame wrote, by name; one of them in the picture's place (empty: none), times a gain.
     const std::vector<std::string>& images() const { return images_; }
@@ -151,6 +151,9 @@ private:
     void draw();
     void draw_preview();
     void draw_beside();
+    void close_beside();
+    bool moves() const;
+    bool picture_waits() const;
     void show_picture();
     bool shows_intermediate(const gpu::Image& canvas);
     void look_into_pixel();
@@ -158,7 +161,7 @@ private:
     gpu::Image resolve_film(const View& view, const FilmRows& rows, const char* name);
     void tone(const gpu::Image& hdr, const char* name, gpu::Image& picture);
     uint32_t preview_factor() const;
-    void measure();
+    void measure(const std::vector<PassTime>& passes);
     // Pictures for the disk, and without noise.
     FilmCopy copy_film();
     void write_picture();
@@ -188,6 +191,9 @@ private:
     std::unique_ptr<View> view_, preview_;
     std::unique_ptr<ViewDrawer> drawer_;
     std::unique_ptr<ReferenceBeside> beside_;
+    std::vector<std::future<Difference>> left_;  // comparisons of references that are gone, which nothing waits for
+    bool drew_picture_ = true;                   // in this frame
+    double ahead_ = 0;                           // seconds that the device worked more at the picture than at the reference since both began
     uint32_t preview_samples_ = 0, preview_factor_ = 1;  // drawn since the film was cleared, and how coarse
     // Renderers whose frames are whole pictures, on devices that are slow at them.
     uint32_t shrink_ = 1;

@@ -79,7 +79,7 @@ gpu::Image Interactive::record() {
 bool Interactive::shows_intermediate(const gpu::Image& canvas) {
     std::vector<gpu::Image> written = frame_->written_images();
     std::erase_if(written, [](const gpu::Image& image) { return image.name().starts_with("view/") || image.extent().depth != 1; });
-    if (!written.empty()) {
+    if (!written.empty() && drew_picture_) {
         images_.clear();
         for (const gpu::Image& image : written) images_.push_back(image.name());
         const auto found = std::ranges::find(written, shown_image, &gpu::Image::name);
@@ -90,16 +90,25 @@ bool Interactive::shows_intermediate(const gpu::Image& canvas) {
     return true;
 }
 
+bool Interactive::moves() const { return play || std::chrono::steady_clock::now() - moved_at_ < kComesToRest; }
+
+// Where nothing moves and frames are slow, the picture leaves the device to the reference until that has had as much of its time: which comes
+// sooner, and the window reacts sooner, too.
+bool Interactive::picture_waits() const {
+    if (!beside_ || beside_->is_finished() || moves() || is_picking() || is_saving() || fresh_ || !shown_image.empty() || drawer_->has_preview()) return false;
+    return ahead_ > 0 && pixel_seconds_ * view_->desc().width * view_->desc().height > kMovingSeconds;
+}
+
 // A film of another size where whole frames take too long while something moves, and of the window's where nothing does.
 void Interactive::adapt_size() {
     uint32_t wanted = 1;
     const bool must_be_whole = !to_save_.empty() || is_picking();
-    const bool moves = play || std::chrono::steady_clock::now() - moved_at_ < kComesToRest;
-    if (moves && !must_be_whole && !drawer_->has_preview()) {
+    const bool moving = moves();
+    if (moving && !must_be_whole && !drawer_->has_preview()) {
         const double whole = pixel_seconds_ * options_.size.width * options_.size.height;
         wanted = std::clamp(static_cast<uint32_t>(std::ceil(std::sqrt(whole / kMovingSeconds))), 1u, kMostShrink);
     }
-    const bool nearly = moves && !must_be_whole && wanted + 1 == shrink_;  // what is a little too coarse does not change to and fro
+    const bool nearly = moving && !must_be_whole && wanted + 1 == shrink_;  // what is a little too coarse does not change to and fro
     if (wanted == shrink_ || nearly) return;
     shrink_ = wanted;
     set_up_view();
@@ -118,9 +127,10 @@ void Interactive::draw() {
     if (preview_samples_ == 0) preview_factor_ = preview_factor();
     if (preview_factor_ > 1 && preview_samples_ < kPreviewSamples) return draw_preview();
     drawer_->set_exposure(static_cast<float>(image::exposure_scale_from_ev100(show.exposure_ev)));
-    drawer_->record(*frame_, *scene_gpu_, trace_.way, *view_);
+    drew_picture_ = !picture_waits();
+    if (drew_picture_) drawer_->record(*frame_, *scene_gpu_, trace_.way, *view_);
     if (std::exchange(probes_frame_, false)) probe_.emplace(*frame_, *view_, drawer_->reservoirs(), picked_->pixel);
-    show_picture();
+    if (drew_picture_ || show != shown_with_) show_picture();
     draw_beside();
 }
 
@@ -142,11 +152,7 @@ void Interactive::show_picture() {
 }
 
 void Interactive::draw_beside() {
-    if (!split) {
-        beside_.reset();
-        beside_picture_ = {};
-        return;
-    }
+    if (!split) return close_beside();
     if (!beside_) {
         ViewDesc desc = view_->desc();
         desc.aovs = layer_.empty() ? std::vector<std::string>{} : std::vector{layer_};
@@ -161,6 +167,15 @@ void Interactive::draw_beside() {
     tone(hdr, "view/beside", beside_picture_);
     const bool same_size = hdr_ && hdr_.extent() == hdr.extent();
     if (same_size && !fresh_ && layer_.empty() && beside_->wants_comparison(shown_rows_.samples)) beside_->read(*frame_, hdr_, hdr, shown_rows_.samples);
+}
+
+void Interactive::close_beside() {
+    std::erase_if(left_, [](const std::future<Difference>& comparison) { return comparison.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
+    if (beside_)
+        if (std::future<Difference> comparison = beside_->take_comparison(); comparison.valid()) left_.push_back(std::move(comparison));
+    beside_.reset();
+    beside_picture_ = {};
+    ahead_ = 0;
 }
 
 // The film begins anew for it, so that the realtime renderer's layers are of one frame.
@@ -229,8 +244,9 @@ void Interactive::finish() {
     frame_->run();
     const auto now = std::chrono::steady_clock::now();
     frame_seconds_ = std::chrono::duration<double>(now - std::exchange(last_finish_, now)).count();
-    passes_ = sum_passes(*frame_);
-    measure();
+    std::vector<PassTime> passes = sum_passes(*frame_);
+    measure(passes);
+    if (drew_picture_) passes_ = std::move(passes);
     if (beside_) beside_->compare();
     if (!probe_) return;
     std::ranges::move(probe_->sections(*scene_gpu_), std::back_inserter(picked_->sections));
@@ -238,19 +254,21 @@ void Interactive::finish() {
 }
 
 // What the device worked at the picture, and at the reference beside it; not what the display takes its time for.
-void Interactive::measure() {
+void Interactive::measure(const std::vector<PassTime>& passes) {
     double busy = 0, beside = 0;
-    for (const PassTime& pass : passes_) {
+    for (const PassTime& pass : passes) {
         if (pass.name == "transfer/show") continue;
         (beside_ && pass.name.starts_with("reference/") ? beside : busy) += pass.ms / 1000;
     }
     if (beside_) {
         if (options_.renderer == RendererKind::Reference) busy = beside /= 2;  // both trace alike
         beside_->ran(beside);
+        if (drew_picture_) ahead_ += busy;
+        ahead_ = std::max(0.0, ahead_ - beside);
     }
     if (!drawer_) return;
     drawer_->ran(busy > 0 ? busy : frame_seconds_);
-    if (drawer_->has_preview() || !view_) return;
+    if (drawer_->has_preview() || !view_ || !drew_picture_) return;
     const double pixel = busy / (double(view_->desc().width) * view_->desc().height);
     pixel_seconds_ = pixel_seconds_ == 0 ? pixel : 0.5 * (pixel_seconds_ + pixel);
 }

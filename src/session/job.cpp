@@ -112,6 +112,7 @@ void Job::render() {
     Progress progress("rendering", slicer_->total_work());
     show_progress(progress);
     while (!should_stop()) {
+        if (slicer_->whole_samples() < options_.samples.end && !stand_at(slicer_->whole_samples())) break;
         const auto slice = slicer_->next();
         if (!slice) break;
         const auto slice_begin = Clock::now();

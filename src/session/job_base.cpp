@@ -4,8 +4,10 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/hash.h"
 #include "base/log.h"
 #include "renderers/reference.h"
+#include "sampling/shutter.h"
 #include "scene/load.h"
 #include "session/film_state.h"
 #include "session/metering.h"
@@ -28,6 +30,11 @@ void check_targets(const RenderOptions& options) {
     for (const std::filesystem::path& file : options.output.files) check_writable(file);
     if (!options.checkpoint.empty()) check_writable(options.checkpoint);
 }
+
+constexpr double kSliceSeconds = 0.06, kWavefrontSliceSeconds = 1.0;
+constexpr uint64_t kFirstSlice = 1u << 15;  // pixel-samples
+
+bool changes_picture(const ChangeSet& changes) { return !changes.instances.empty() || !changes.lights.empty() || !changes.materials.empty() || changes.environment; }
 
 uint64_t count_triangles(const Scene& scene) {
     uint64_t count = 0;
@@ -70,6 +77,8 @@ void JobBase::load() {
     loaded_ = load_scene(options_.scene, options_.load);
     add_light(loaded_.scene, options_, sky_options(settings_));
     camera_ = set_up_camera(loaded_, options_, settings_.culling == Culling::Gltf, report_.camera);
+    open_shutter(options_.load.time);
+    if (options_.shutter_seconds > 0 && !camera_.closes && !shutter_) log(LogLevel::Warn, "nothing moves while the shutter is open");
     report_.scene = options_.scene;
     report_.triangles = count_triangles(loaded_.scene);
     report_.instances = loaded_.scene.instances().size();
@@ -110,6 +119,11 @@ void JobBase::set_up() {
     report_.exposure_ev = options_.exposure_ev ? *options_.exposure_ev : meter_scene(device_, *frame_, *scene_gpu_, way_, desc);
     log(LogLevel::Info, "exposure EV100 {:.2f}{}", report_.exposure_ev, report_.exposure_metered ? ", metered from the scene" : "");
     report_.settings_hash = hash_render(loaded_.scene, desc, settings_, options_.upscale);
+    if (shutter_) {
+        Hasher hasher;
+        hasher.add(report_.settings_hash).add(hash_motion(loaded_.scene)).add(shutter_->opens).add(options_.shutter_seconds);
+        report_.settings_hash = hasher.text(options_.load.animation).text(options_.load.animate).value();
+    }
     report_.setup_seconds = seconds_since(begin);
 }
 
@@ -136,11 +150,28 @@ bool JobBase::bring_in_scene(bool shown) {
     return true;
 }
 
+void JobBase::open_shutter(double opens) {
+    const bool can_move = !options_.load.animate.empty() || !loaded_.scene.animations().empty();
+    shutter_.reset();
+    if (options_.shutter_seconds > 0 && can_move) shutter_ = OpenShutter{opens};
+}
+
+bool JobBase::stand_at(uint64_t sample) {
+    if (!shutter_ || shutter_->sample == sample) return true;
+    shutter_->sample = sample;
+    const double share = sampling::shutter_share(static_cast<uint32_t>(sample), options_.seed);
+    const ChangeSet changes = loaded_.scene.apply(state_at(loaded_, options_.load, shutter_->opens + share * options_.shutter_seconds));
+    if (changes_picture(changes) && std::ranges::count(options_.aovs, "motion") != 0)
+        throw Error(ErrorCode::Usage, "what moves while the shutter is open has no one place in the picture", "--aov motion", "leave out --shutter or this layer");
+    scene_gpu_->sync(loaded_.scene, changes);
+    return bring_in_scene(false);
+}
+
 Slicer JobBase::make_slicer(IndexRange samples) const {
-    if (!wavefront_) return {options_.size, samples};
+    const uint64_t most_samples = shutter_ ? 1 : shared::kSamplesPerBlock;
+    if (!wavefront_) return {options_.size, samples, kSliceSeconds, kFirstSlice, Slicer::kMostWork, most_samples};
     // Its frames are short however long a slice is; but at the end of each the machine runs empty.
-    constexpr double kSliceSeconds = 1.0;
-    return {options_.size, samples, kSliceSeconds, kPathsPerSlot * wavefront_->slots(), wavefront_->slice_paths(*view_)};
+    return {options_.size, samples, kWavefrontSliceSeconds, kPathsPerSlot * wavefront_->slots(), wavefront_->slice_paths(*view_), most_samples};
 }
 
 void JobBase::run_frame() {

@@ -36,6 +36,11 @@ protected:
     // Runs frames until the scene is on the device as it was at the last sync, but for the last of them. False: interrupted.
     bool bring_in_scene(bool shown);
 
+    // The shutter of the coming samples opens at this time, where the scene stands now. In a scene that can move every sample is then one of its own moment.
+    void open_shutter(double opens);
+    // Takes the scene there, before a slice that begins with this sample. False: interrupted. Throws Error for what has no meaning where it moves.
+    bool stand_at(uint64_t sample);
+
     // For so many samples of the path tracer that the options name.
     Slicer make_slicer(IndexRange samples) const;
     void draw(View& view, const shared::Slice& slice, bool ends_range);
@@ -67,6 +72,11 @@ protected:
 private:
     void add_times();
 
+    struct OpenShutter {
+        double opens;
+        std::optional<uint64_t> sample = std::nullopt;  // at whose moment the scene stands; none: where it opened
+    };
+    std::optional<OpenShutter> shutter_;  // none: nothing but perhaps the camera can change while it is open
     bool slice_is_listed_ = false;
 };
 

@@ -88,7 +88,7 @@ const OptionSpec kOptions[] = {
     {.name = "--focus-distance", .section = "Camera and time", .commands = kDraw, .kind = ValueKind::Number, .value = "METRES",
      .help = "depth at which the lens is sharp (default: of what lies in the picture's middle)", .min = 1e-6, .max = 1e9},
     {.name = "--shutter", .section = "Camera and time", .commands = kRender, .kind = ValueKind::Number, .value = "SECONDS", .fallback = "0",
-     .help = "how long the shutter stays open from --time on: the camera moves meanwhile, objects stand still", .max = 1e6,
+     .help = "how long the shutter stays open from --time on: camera, objects and lights move meanwhile", .max = 1e6,
      .renderers = kPathTracers, .instead = "leave it out: the realtime renderer's frames are moments"},
 
     // Scene
@@ -241,10 +241,10 @@ const CommandSpec kCommands[] = {
       "parhelion render builtin:diorama --animate robot --frames 120 --fps 30 --spp 64 --out robot.####.png",
       "parhelion render scene.glb --spp 4096 --checkpoint a.state --resume --out a.exr",
       "parhelion render builtin:cornell --set sampler.kind=pcg --out a.exr"}},
-    {Command::View, "view", "SCENE", 1, 1, "look at a scene in a window",
+    {Command::View, "view", "SCENE [ENVIRONMENT]", 1, 2, "look at a scene in a window",
      "The program parhelion-view, which `parhelion view` starts. The scene comes in while the window already reacts; the picture gets better while "
-     "nothing moves. F1 shows the keys. SCENE and the options are those of render where they make sense.",
-     {"parhelion view builtin:diorama", "parhelion view scene.glb --env sky.hdr --renderer wavefront",
+     "nothing moves. F1 shows the keys. SCENE and the options are those of render where they make sense; ENVIRONMENT is that of --env.",
+     {"parhelion view builtin:diorama", "parhelion view scene.glb sky.hdr --renderer wavefront",
       "parhelion view builtin:cornell --script spp=16,save --out cornell.png"}},
     {Command::Compare, "compare", "TEST REFERENCE", 2, 2, "measure how far a picture is from its reference",
      "Prints mean ratio, MSE, relative MSE, PSNR, SSIM and FLIP of TEST against REFERENCE. Both are exposed with the exposure "

@@ -81,7 +81,7 @@ PixelReport::Section path_section(std::span<const shared::DumpedRay> rays, std::
     for (const shared::DumpedRay& ray : rays) {
         if (ray.reach == 0) break;
         if (ray.reach < 0) {
-            out.rows.emplace_back("asks for light", fmt::format("{:.4g} m along {}", -ray.reach, text_of(ray.direction_ws)));
+            out.rows.emplace_back("asks for light", (-ray.reach < kLargestCoordinate ? fmt::format("{:.4g} m along ", -ray.reach) : "infinitely far along ") + text_of(ray.direction_ws));
             continue;
         }
         out.rows.emplace_back(vertices.empty() ? "camera" : fmt::format("vertex {}", vertices.size()), text_of(ray.origin_ws));

@@ -20,7 +20,8 @@ class ReferenceBeside {
 public:
     // `view`: the shown one's, whose layers, size and pixel filter the reference has.
     ReferenceBeside(const gpu::DevicePtr& device, const ViewDesc& view, uint64_t max_samples);
-    ~ReferenceBeside() = default;  // waits for a comparison that runs
+    ~ReferenceBeside() = default;  // waits for a comparison that runs, unless that was taken away
+    std::future<Difference> take_comparison() { return std::move(comparing_); }
 
     void set_camera(const shared::Camera& camera);
     void clear();

@@ -269,6 +269,10 @@ RenderOptions read_picture(const OptionValues& values) {
 
 RenderOptions read_view_options(const OptionValues& values) {
     RenderOptions options = read_picture(values);
+    if (values.positionals.size() > 1) {
+        if (values.given("--env")) refuse(values.where("--env"), "the environment is given already, after the scene", "leave out one of them");
+        options.environment = values.positionals[1];
+    }
     options.samples = {0, values.given("--spp") ? read_uint(values, "--spp") : 1u << 30};
     if (values.given("--aov"))
         options.aovs = expand_list(*find_option(values.command(), "--aov"), values.text("--aov"), values.where("--aov"));

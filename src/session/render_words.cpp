@@ -28,9 +28,10 @@ public:
 
 // Nine digits give a float back, seventeen a double.
 std::string digits_of(const glm::vec3& v) { return fmt::format("{:.9g},{:.9g},{:.9g}", v.x, v.y, v.z); }
-std::string digits_of(double v) { return fmt::format("{:.17g}", v); }
+// The fewest that are read as the same number again.
+std::string digits_of(double v) { return fmt::format("{}", v); }
 
-std::string digits_of(const std::array<double, 3>& v) { return fmt::format("{:.17g},{:.17g},{:.17g}", v[0], v[1], v[2]); }
+std::string digits_of(const std::array<double, 3>& v) { return fmt::format("{},{},{}", v[0], v[1], v[2]); }
 
 // One that was moved by its place; others as the options have it, which the session follows where the scene takes it.
 void add_camera(Words& words, const Interactive& session) {

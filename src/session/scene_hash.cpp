@@ -79,10 +79,10 @@ uint64_t hash_scene(const Scene& scene) {
         add_array(hasher.add(mesh.rest.index), mesh.deformation->weights);
         add_array(hasher, mesh.deformation->object_from_rest);
     }
-    for (const auto& [handle, instance] : scene.instances()) add_plain(hasher.add(instance.drawn_mesh().index).add(instance.ray_mask).add(instance.opacity), instance.place.world_from_object);
+    for (const auto& [handle, instance] : scene.instances()) add_plain(hasher.add(instance.drawn_mesh().index).add(instance.ray_mask).add(instance.opacity).add(instance.place.shown), instance.place.world_from_object);
     for (const auto& [handle, light] : scene.lights()) {
         hasher.add(light.kind).add(light.intensity).add(light.range).add(light.inner_cone).add(light.outer_cone).add(light.angular_radius);
-        add_plain(hasher, light.color);
+        add_plain(hasher.add(light.place.shown), light.color);
         add_plain(hasher, light.place.world_from_object);
     }
     const Environment& environment = scene.environment();
@@ -94,7 +94,7 @@ uint64_t hash_scene(const Scene& scene) {
 uint64_t hash_motion(const Scene& scene) {
     Hasher hasher;
     for (const auto& [handle, node] : scene.nodes()) {
-        add_plain(hasher.add(handle.index).add(node.parent.index), node.world_from_node);
+        add_plain(hasher.add(handle.index).add(node.parent.index).add(node.visible), node.world_from_node);
         add_plain(hasher, matrix_of(node.local));
     }
     for (const auto& [handle, skin] : scene.skins()) {
@@ -104,7 +104,7 @@ uint64_t hash_motion(const Scene& scene) {
     for (const auto& [handle, animation] : scene.animations()) {
         hasher.text(animation.name);
         for (const AnimationChannel& channel : animation.channels) {
-            add_array(hasher.add(channel.node.index).add(channel.path).add(channel.interpolation).add(channel.width), channel.times);
+            add_array(hasher.add(channel.node.index).add(channel.light.index).add(channel.camera.index).add(channel.path).add(channel.interpolation).add(channel.width), channel.times);
             add_array(hasher, channel.values);
         }
     }

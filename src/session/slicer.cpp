@@ -9,11 +9,12 @@ namespace {
 constexpr double kMaxGrowth = 4;  // of a slice from one to the next: a quick first slice proves little
 }
 
-Slicer::Slicer(Size2 size, IndexRange samples, double target_seconds, uint64_t first_slice_work, uint64_t most_work)
+Slicer::Slicer(Size2 size, IndexRange samples, double target_seconds, uint64_t first_slice_work, uint64_t most_work, uint64_t most_samples)
     : size_(size),
       samples_(samples),
       target_seconds_(target_seconds),
       most_work_(static_cast<double>(most_work)),
+      most_samples_(static_cast<double>(most_samples)),
       budget_(static_cast<double>(std::min(first_slice_work, most_work))),
       sample_(samples.begin),
       pass_begin_(samples.begin),
@@ -24,7 +25,7 @@ std::optional<shared::Slice> Slicer::next() {
     if (row_ == 0) {
         if (sample_ >= samples_.end) return std::nullopt;
         const uint64_t block_end = (sample_ / shared::kSamplesPerBlock + 1) * shared::kSamplesPerBlock;
-        const uint64_t wanted = std::max<uint64_t>(1, static_cast<uint64_t>(std::min(budget_ / frame, 64.0)));
+        const uint64_t wanted = std::max<uint64_t>(1, static_cast<uint64_t>(std::min(budget_ / frame, most_samples_)));
         pass_begin_ = sample_;
         sample_ = std::min({sample_ + wanted, block_end, samples_.end});
     }

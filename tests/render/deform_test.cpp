@@ -289,6 +289,44 @@ TEST_F(DeviceDeforms, a_tree_that_no_longer_fits_is_made_anew_of_the_form) {
     }
 }
 
+// Forms that a program makes itself, torn from the first one on: the mesh at rest, which nothing draws, is still what they are held against.
+TEST_F(DeviceDeforms, forms_with_arrays_are_held_against_the_mesh_at_rest_too) {
+    constexpr uint32_t kSide = 32;
+    const auto make_leaves = [](Handle<Material> material, bool torn, float z) {
+        Primitive leaves{.material = material};
+        for (uint32_t i = 0; i < kSide * kSide; ++i) {
+            const uint32_t at = torn ? i * 397 % (kSide * kSide) : i, first = 3 * i;
+            const glm::vec3 place = glm::vec3(float(at % kSide), float(at / kSide), 0) / float(kSide);
+            for (const glm::vec3& corner : {glm::vec3(0, 0, z), glm::vec3(0.02f, 0, 0.01f), glm::vec3(0, 0.02f, 0)}) leaves.positions.push_back(place + corner);
+            leaves.triangles.push_back({first, first + 1, first + 2});
+        }
+        Mesh mesh{.name = "leaves"};
+        mesh.primitives.push_back(std::move(leaves));
+        return mesh;
+    };
+    SceneEdit first;
+    const Handle<Material> pending_material = first.add(Material{.name = "leaf"});
+    const Handle<Mesh> pending_rest = first.add(make_leaves(pending_material, false, 0.0f));
+    Mesh form = make_leaves(pending_material, true, 0.0f);
+    form.rest = pending_rest;
+    const Handle<Instance> pending = first.add(Instance{.mesh = pending_rest});
+    first.set_pose(pending, first.add(std::move(form)), {});
+    Scene scene;
+    const ChangeSet changes = scene.apply(std::move(first));
+    Stage stage(std::move(scene), {.hardware = false});
+    for (int frame = 0; frame < 48; ++frame) {
+        SceneEdit edit;
+        Mesh next = make_leaves(changes.resolve(pending_material), true, 1e-4f * float(frame));
+        next.rest = changes.resolve(pending_rest);
+        edit.remove(stage.scene.get(changes.resolve(pending)).posed);
+        edit.set_pose(changes.resolve(pending), edit.add(std::move(next)), {});
+        stage.step(std::move(edit));
+        stage.scene_gpu.finish(stage.frame);
+        stage.frame.run();
+    }
+    EXPECT_EQ(stage.scene_gpu.stats().rebuilt_trees, 1u);
+}
+
 // A lamp that grows gives more light, and its triangles are chosen by the areas that they have now.
 TEST_F(DeviceDeforms, lamps_and_their_light) {
     SceneEdit edit;

@@ -5,11 +5,13 @@
 #include <thread>
 
 #include "base/error.h"
+#include "gpu/internal.h"
 #include "image/decode.h"
 #include "image/film.h"
 #include "image/tonemap.h"
 #include "support/environment_variable.h"
 #include "support/gpu_fixture.h"
+#include "support/pack_writer.h"
 #include "support/process.h"
 #include "support/render_fixture.h"
 
@@ -233,6 +235,53 @@ TEST_F(InteractiveScene, the_reference_beside_a_realtime_picture_looks_through_t
     for (size_t i = 0; i < picture.size(); ++i) ASSERT_EQ(right[i], i / 4 % 24 == 0 ? 255 : picture[i]) << i;
     ASSERT_TRUE(session.difference());
     EXPECT_GT(session.difference()->flip, 0.0);
+}
+
+// A frame of the realtime renderer takes a CPU much longer than a slice of the reference: at rest most frames are the reference's, and while something
+// moves each has a new picture.
+TEST_F(InteractiveScene, at_rest_a_slow_picture_leaves_the_device_to_the_reference_beside_it) {
+    if (device()->caps().type != gpu::DeviceType::Cpu) GTEST_SKIP() << "the device is not slow";
+    RenderOptions options = cornell(1u << 20);
+    options.size = {480, 360};
+    options.renderer = RendererKind::Realtime;
+    Interactive session(initial_state(options), device());
+    session.split = 0.5f;
+    const auto draw_frames = [&](int count) {
+        const uint64_t before = session.samples();
+        for (int i = 0; i < count; ++i) session.record(), session.finish();
+        return session.samples() - before;
+    };
+    while (session.samples() < 3) draw_frames(1);
+    std::this_thread::sleep_for(std::chrono::milliseconds(600));
+    constexpr int kFrames = 24;
+    draw_frames(kFrames);  // whole pictures again
+    EXPECT_LT(draw_frames(kFrames), kFrames / 2u);
+    EXPECT_GT(session.reference_samples(), 0u);
+    for (int i = 0; i < 4; ++i) {
+        session.set_camera(session.camera());  // the film begins anew
+        session.record(), session.finish();
+        EXPECT_EQ(session.samples(), 1u);
+    }
+}
+
+// Every shader of the program, with other words that do the same: the generator's number in the module's header.
+std::shared_ptr<const gpu::ShaderPack> same_shaders(uint32_t generator) {
+    std::vector<gpu::ShaderCode> shaders(gpu::ShaderPack::builtin().all().begin(), gpu::ShaderPack::builtin().all().end());
+    for (gpu::ShaderCode& code : shaders) code.words[2] = generator;
+    return std::make_shared<gpu::ShaderPack>(PackWriter().write(shaders));
+}
+
+TEST_F(InteractiveScene, programs_of_shaders_that_were_replaced_are_freed) {
+    Interactive session(initial_state(cornell(2)), device());
+    const std::vector<uint8_t> picture = draw(session);
+    session.use_shaders(same_shaders(1));
+    EXPECT_EQ(draw(session), picture);
+    const size_t programs = device()->impl().programs.size();
+    for (uint32_t generator = 2; generator < 4; ++generator) {
+        session.use_shaders(same_shaders(generator));
+        EXPECT_EQ(draw(session), picture);
+        EXPECT_EQ(device()->impl().programs.size(), programs);
+    }
 }
 
 const std::string* row_of(const PixelReport& report, std::string_view section, std::string_view what) {

@@ -144,6 +144,21 @@ Scene moving_scene() {
     walk.channels.push_back({hip, AnimatedPath::Rotation, Interpolation::Step, 4, times, {0, 0, 0, 1, 0, 0, 1, 0, 0, 0.6f, 0.8f, 0}});
     walk.channels.push_back({knee, AnimatedPath::Scale, Interpolation::CubicSpline, 3, {0.5f}, {0, 0, 0, 1, 2, 3, 0.5f, 0.5f, 0.5f}});
     walk.channels.push_back({body, AnimatedPath::Weights, Interpolation::CubicSpline, 2, {0.0f, 1.0f}, {0, 0, 0.1f, 0.2f, 0, 0, 0, 0, 0.9f, 0.8f, 0, 0}});
+    const Handle<Light> lamp = edit.add(Light{.name = "lamp", .kind = LightKind::Spot, .place = {.node = body}});
+    const Handle<Camera> eye = edit.add(Camera{.name = "eye", .place = {.node = body}});
+    const Handle<Camera> plan = edit.add(Camera{.name = "plan", .kind = CameraKind::Orthographic, .far_plane = 9.0f, .place = {.node = hip}});
+    const auto point = [&](AnimatedPath path, std::vector<float> values, Handle<Light> light, Handle<Camera> camera) {
+        walk.channels.push_back({.path = path, .width = static_cast<uint32_t>(values.size()), .times = {0.5f}, .values = std::move(values), .light = light, .camera = camera});
+    };
+    for (const Handle<Node> node : {knee, body}) walk.channels.push_back({node, AnimatedPath::Visible, Interpolation::Step, 1, times, {1, 0, 1}});
+    point(AnimatedPath::Color, {0.1f, 0.2f, 0.3f}, lamp, {});
+    point(AnimatedPath::Intensity, {0.4f}, lamp, {});
+    point(AnimatedPath::InnerCone, {0.1f}, lamp, {});
+    point(AnimatedPath::OuterCone, {0.6f}, lamp, {});
+    point(AnimatedPath::Yfov, {0.9f}, {}, eye);
+    point(AnimatedPath::Xmag, {2.5f}, {}, plan);
+    point(AnimatedPath::Ymag, {1.5f}, {}, plan);
+    edit.add(Node{.name = "hidden", .parent = knee, .visible = false});
     edit.add(std::move(walk));
     edit.add(Animation{.name = "jump", .channels = {{hip, AnimatedPath::Translation, Interpolation::Linear, 3, {0.25f}, {0, 1, 0}}}});
     Scene scene;

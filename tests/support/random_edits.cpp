@@ -50,8 +50,10 @@ Scene RandomEdits::make_scene() {
     add_quad(floor, {-4.0f, 0.0f, 4.0f}, {8.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -8.0f});
     builtin::add_object(edit, "floor", std::move(floor), materials[0]);
     builtin::add_camera(edit, "front", eye_, {0.0f, 0.5f, 0.0f}, 0.8f);
+    const Handle<Node> stays = edit.add(Node{.name = "stays"}), goes = edit.add(Node{.name = "comes and goes", .parent = stays});
     Scene scene;
     const ChangeSet changes = scene.apply(std::move(edit));
+    nodes_ = {changes.resolve(stays), changes.resolve(goes)};
     for (const Handle<Material> material : materials) materials_.push_back(changes.resolve(material));
     for (const Handle<Mesh> mesh : meshes) meshes_.push_back(changes.resolve(mesh));
     return scene;
@@ -80,7 +82,7 @@ void RandomEdits::edit_instances(SceneEdit& edit, const Scene& scene) {
         edit.set_pose(handle, edit.add(std::move(form)), {});
     }
     for (uint32_t n = random_.below(3u); n > 0 && instances_.size() + new_instances_.size() < kMostInstances; --n)
-        new_instances_.push_back(edit.add(Instance{.mesh = meshes_[random_.below(static_cast<uint32_t>(meshes_.size()))], .place = {.node_from_object = place()}}));
+        new_instances_.push_back(edit.add(Instance{.mesh = meshes_[random_.below(static_cast<uint32_t>(meshes_.size()))], .place = {.node = nodes_[random_.below(2u)], .node_from_object = place()}}));
 }
 
 void RandomEdits::edit_lights(SceneEdit& edit, const Scene& scene) {
@@ -99,7 +101,7 @@ void RandomEdits::edit_lights(SceneEdit& edit, const Scene& scene) {
     }
     if (random_.below(2u) != 0u || lights_.size() >= kMostLights) return;
     constexpr LightKind kKinds[] = {LightKind::Point, LightKind::Spot, LightKind::Directional};
-    new_lights_.push_back(edit.add(Light{.kind = kKinds[random_.below(3u)], .color = color(1.0f), .intensity = random_.range(0.0f, 10.0f), .angular_radius = 0.1f, .place = {.node_from_object = place()}}));
+    new_lights_.push_back(edit.add(Light{.kind = kKinds[random_.below(3u)], .color = color(1.0f), .intensity = random_.range(0.0f, 10.0f), .angular_radius = 0.1f, .place = {.node = nodes_[random_.below(2u)], .node_from_object = place()}}));
 }
 
 void RandomEdits::edit_materials(SceneEdit& edit, const Scene& scene) {
@@ -135,6 +137,7 @@ void RandomEdits::edit_environment(SceneEdit& edit) {
 SceneEdit RandomEdits::next(const Scene& scene) {
     SceneEdit edit;
     if (random_.below(8u) == 0u) return edit;  // nothing happens
+    if (random_.below(4u) == 0u) edit.set_visible(nodes_[1], random_.below(2u) == 0u);
     edit_instances(edit, scene);
     edit_lights(edit, scene);
     edit_materials(edit, scene);

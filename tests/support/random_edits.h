@@ -29,6 +29,7 @@ private:
     glm::vec3 color(float most);
 
     builtin::Random random_;
+    std::vector<Handle<Node>> nodes_;           // what comes stands on one of them, which may be hidden
     std::vector<Handle<Mesh>> meshes_;          // each of a material of its own
     std::vector<Handle<Material>> materials_;
     std::vector<Handle<Instance>> instances_, new_instances_;

@@ -108,6 +108,7 @@ private:
             expect(here + " scale", a.local.scale, b.local.scale);
         }
         expect(here + " world", a.world_from_node, b.world_from_node);
+        expect(here + " visible", a.visible, b.visible);
         expect_at_least(here + " children", a.children.size(), b.children.size());
         for (size_t i = 0; i < a.children.size(); ++i) nodes(fmt::format("{} > {}", here, i), a.children[i], b.children[i]);
         size_t helper = a.children.size();
@@ -303,8 +304,17 @@ private:
     }
 
     void channels(const std::string& where, const AnimationChannel& a, const AnimationChannel& b) {
-        node_pairs_.pair(where + " node", a.node, b.node);
         expect(where + " path", a.path, b.path);
+        switch (object_of(a.path)) {
+            case AnimatedObject::Node:
+                node_pairs_.pair(where + " node", a.node, b.node);
+                break;
+            case AnimatedObject::Light:
+                expect(where + " light", a_.get(a.light).name, b_.get(b.light).name);
+                break;
+            case AnimatedObject::Camera:
+                expect(where + " camera", a_.get(a.camera).name, b_.get(b.camera).name);
+        }
         expect(where + " interpolation", a.interpolation, b.interpolation);
         expect(where + " width", a.width, b.width);
         expect_array(where + " times", a.times, b.times);

@@ -95,9 +95,62 @@ TEST(GltfAnimation, channels_without_a_node_in_the_scene_and_pointers_are_left_o
     const Scene scene = maker.load();
     EXPECT_EQ(only_animation(scene).channels.size(), 1u);
     EXPECT_EQ(scene.source().warnings.size(), 3u);
-    EXPECT_TRUE(has_warning(scene, "what KHR_animation_pointer animates stands still"));
+    EXPECT_TRUE(has_warning(scene, "of what KHR_animation_pointer animates, all but nodes, their visibility, lights and cameras stands still"));
     EXPECT_TRUE(has_warning(scene, "animations[0].channels[5].target: animates weights, but its node has no morph targets"));
     EXPECT_TRUE(has_warning(scene, "'colour' cannot be animated"));
+}
+
+TEST(GltfAnimation, pointers_move_nodes_their_visibility_lights_and_cameras) {
+    Moving maker;
+    maker.doc["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "spot"}, {"spot", json::object()}}};
+    const int wide = maker.push("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 1}}}});
+    const int flat = maker.push("cameras", {{"type", "orthographic"}, {"orthographic", {{"xmag", 1}, {"ymag", 1}, {"znear", 1}, {"zfar", 9}}}});
+    for (int i = 0; i < 2; ++i) maker.add_node({{"camera", i == 0 ? wide : flat}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+    maker.doc["nodes"][0]["extensions"]["KHR_node_visibility"]["visible"] = false;
+    const int times = maker.floats({0, 1}, "SCALAR"), numbers = maker.floats({0.25, 0.5}, "SCALAR"), vectors = maker.floats({1, 0, 0, 0, 1, 0}, "VEC3");
+    const int bytes = maker.accessor<uint8_t>({1, 0}, GltfMaker::kUByte, "SCALAR"), shorts = maker.accessor<uint16_t>({100, 300}, GltfMaker::kUShort, "SCALAR");
+    const auto point = [&](const std::string& pointer, int output, const std::string& interpolation = "LINEAR") {
+        maker.channel("pointer", times, output, interpolation)["target"] = {{"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", {{"pointer", pointer}}}}}};
+    };
+    point("/nodes/0/scale", vectors);
+    point("/nodes/0/extensions/KHR_node_visibility/visible", bytes, "STEP");
+    point("/extensions/KHR_lights_punctual/lights/0/color", vectors);
+    point("/extensions/KHR_lights_punctual/lights/0/intensity", shorts);
+    point("/extensions/KHR_lights_punctual/lights/0/spot/outerConeAngle", numbers);
+    point("/extensions/KHR_lights_punctual/lights/0/spot/innerConeAngle", numbers);
+    point("/cameras/0/perspective/yfov", numbers);
+    point("/cameras/1/orthographic/xmag", numbers);
+    point("/cameras/1/orthographic/ymag", numbers);
+    const Scene scene = maker.load();
+    EXPECT_EQ(scene.source().warnings, std::vector<std::string>{});
+    const std::vector<AnimationChannel>& channels = only_animation(scene).channels;
+    ASSERT_EQ(channels.size(), 14u);  // each of the two lights is one of its own
+    EXPECT_EQ(channels[1].path, AnimatedPath::Scale);
+    EXPECT_EQ(scene.get(channels[2].node).name, "mover");
+    EXPECT_EQ(channels[2].path, AnimatedPath::Visible);
+    EXPECT_EQ(channels[2].values, (std::vector<float>{1, 0}));
+    EXPECT_FALSE(scene.get(channels[2].node).visible);
+    EXPECT_EQ(channels[3].path, AnimatedPath::Color);
+    EXPECT_TRUE(channels[3].light && channels[4].light && channels[3].light != channels[4].light);
+    EXPECT_EQ(channels[5].values, (std::vector<float>{100, 300}));
+    EXPECT_EQ(channels[11].path, AnimatedPath::Yfov);
+    EXPECT_EQ(scene.get(channels[11].camera).kind, CameraKind::Perspective);
+    EXPECT_EQ(scene.get(channels[13].camera).kind, CameraKind::Orthographic);
+
+    const auto error = [&](const std::string& pointer, int output, const std::string& interpolation) {
+        Moving other = maker;
+        other.channel("pointer", times, output, interpolation)["target"] = {{"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", {{"pointer", pointer}}}}}};
+        return other.error();
+    };
+    EXPECT_CONTAINS(error("/nodes/7/scale", vectors, "LINEAR"), "points to nothing in the file");
+    EXPECT_CONTAINS(error("/cameras/2/perspective/yfov", numbers, "LINEAR"), "points to nothing in the file");
+    EXPECT_CONTAINS(error("/extensions/KHR_lights_punctual/lights/1/color", vectors, "LINEAR"), "points to nothing in the file");
+    EXPECT_CONTAINS(error("/nodes/0/translation", vectors, "LINEAR"), "moves what a channel before it moves");
+    EXPECT_CONTAINS(error("/nodes/1/extensions/KHR_node_visibility/visible", bytes, "LINEAR"), "is not interpolated");
+    EXPECT_CONTAINS(error("/nodes/1/scale", numbers, "LINEAR"), "expected 3");
+    EXPECT_EQ(error("/nodes/-1/scale", vectors, "LINEAR"), "");  // no pointer to anything that moves
+    maker.channel("pointer", times, vectors)["target"].erase("node");
+    EXPECT_TRUE(has_warning(maker.load(), "animates a pointer, but names none"));
 }
 
 TEST(GltfAnimation, keys_must_be_in_order_and_as_many_as_values) {

@@ -25,7 +25,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"scene_gpu", {"base", "sampling", "bvh", "scene", "gpu", "frame"}},
     {"passes", {"base", "gpu", "frame", "scene_gpu", "scene"}},
     {"renderers", {"base", "scene", "frame", "scene_gpu", "passes"}},
-    {"session", {"base", "image", "scene", "gpu", "renderers"}},
+    {"session", {"base", "image", "sampling", "scene", "gpu", "renderers"}},
     {"app", {"session", "base", "image", "scene", "gpu", "frame", "passes", "renderers"}},
 };
 

@@ -107,6 +107,43 @@ TEST(Pose, nodes_stand_where_their_channels_say) {
     }
 }
 
+TEST(Pose, lights_cameras_and_visibility_follow_their_channels) {
+    Scene scene;
+    SceneEdit edit;
+    const Handle<Node> stage = edit.add(Node{.name = "stage"}), prop = edit.add(Node{.name = "prop", .parent = stage});
+    const Handle<Instance> instance = edit.add(Instance{.mesh = edit.add(strip(edit.add(Material{}))), .place = {.node = prop}});
+    const Handle<Light> light = edit.add(Light{.name = "lamp", .kind = LightKind::Spot, .intensity = 2.0f, .place = {.node = prop}});
+    const Handle<Camera> camera = edit.add(Camera{.name = "eye", .yfov = 1.0f, .place = {.node = prop}});
+    const auto of_light = [&](AnimatedPath path, uint32_t width, std::vector<float> values) {
+        return AnimationChannel{.path = path, .width = width, .times = {0, 1}, .values = std::move(values), .light = light};
+    };
+    AnimationChannel hide{.node = stage, .path = AnimatedPath::Visible, .interpolation = Interpolation::Step, .width = 1, .times = {0, 1}, .values = {1, 0}};
+    AnimationChannel zoom{.path = AnimatedPath::Yfov, .width = 1, .times = {0, 1}, .values = {1.0f, 0.5f}, .camera = camera};
+    edit.add(Animation{.channels = {hide, zoom, of_light(AnimatedPath::Color, 3, {1, 1, 1, 1, 0, -1}), of_light(AnimatedPath::Intensity, 1, {2, 4}),
+                                    of_light(AnimatedPath::InnerCone, 1, {0.2f, 0.4f}), of_light(AnimatedPath::OuterCone, 1, {0.5f, 0.1f})}});
+    const ChangeSet changes = scene.apply(std::move(edit));
+    const Light& lamp = scene.get(changes.resolve(light));
+    const auto shown = [&] { return scene.get(changes.resolve(instance)).place.shown && lamp.place.shown && scene.get(changes.resolve(camera)).place.shown; };
+    scene.apply(pose_at(scene, 0.5));
+    EXPECT_TRUE(shown());
+    EXPECT_EQ(lamp.color, glm::vec3(1.0f, 0.5f, 0.0f));  // negative light is none
+    EXPECT_EQ(lamp.intensity, 3.0f);
+    EXPECT_FLOAT_EQ(lamp.outer_cone, 0.3f);
+    EXPECT_FLOAT_EQ(lamp.inner_cone, 0.3f);
+    EXPECT_FLOAT_EQ(scene.get(changes.resolve(camera)).yfov, 0.75f);
+    EXPECT_TRUE(pose_at(scene, 0.5).empty()) << "it is as it was";
+    EXPECT_FLOAT_EQ(camera_at(scene, changes.resolve(camera), 1.0).yfov, 0.5f);
+    EXPECT_FLOAT_EQ(scene.get(changes.resolve(camera)).yfov, 0.75f);
+    EXPECT_FALSE(scene.bounds().empty());
+    const ChangeSet hidden = scene.apply(pose_at(scene, 1.0));
+    EXPECT_FALSE(scene.get(changes.resolve(instance)).place.shown || lamp.place.shown);
+    EXPECT_EQ(hidden.instances.changed.size(), 1u);
+    EXPECT_EQ(hidden.lights.changed.size(), 1u);
+    EXPECT_TRUE(scene.bounds().empty());
+    scene.apply(pose_at(scene, 0.0));
+    EXPECT_TRUE(shown());
+}
+
 TEST(Pose, a_strip_of_two_bones_bends_at_its_joint) {
     Strip s;
     s.pose(0.0);

@@ -131,6 +131,31 @@ TEST(SceneEdit, moving_a_node_moves_all_below_it) {
     EXPECT_TRUE(changes.meshes.empty() && changes.materials.empty() && !changes.environment);
 }
 
+TEST(SceneEdit, a_hidden_node_hides_all_below_it_whatever_they_say) {
+    Fixture f;
+    const auto show = [&](Handle<Node> node, bool visible) {
+        SceneEdit edit;
+        edit.set_visible(node, visible);
+        return f.scene.apply(std::move(edit));
+    };
+    EXPECT_EQ(show(f.upper, false).instances.changed, std::vector{f.hung});
+    EXPECT_FALSE(f.scene.get(f.hung).place.shown);
+    EXPECT_TRUE(f.scene.get(f.loose).place.shown);
+    EXPECT_TRUE(show(f.lower, true).instances.empty());
+    EXPECT_TRUE(show(f.lower, false).instances.empty());
+    EXPECT_TRUE(show(f.upper, true).instances.empty());  // its own node still hides it
+    EXPECT_EQ(show(f.lower, true).instances.changed, std::vector{f.hung});
+    EXPECT_TRUE(f.scene.get(f.hung).place.shown);
+    EXPECT_TRUE(f.scene.begin_frame().empty()) << "nothing has moved";
+    show(f.upper, false);
+    SceneEdit edit;
+    const Handle<Instance> late = edit.add(Instance{.mesh = f.mesh, .place = {.node = f.lower}});
+    EXPECT_FALSE(f.scene.get(f.scene.apply(std::move(edit)).resolve(late)).place.shown);
+    SceneEdit wrong;
+    wrong.set_visible({}, false);
+    EXPECT_NE(error_of(f.scene, std::move(wrong)), "");
+}
+
 TEST(SceneEdit, parents_and_children_may_move_in_one_edit_in_any_order) {
     for (const bool child_first : {true, false}) {
         Fixture f;

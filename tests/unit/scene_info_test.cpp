@@ -55,14 +55,17 @@ TEST(SceneInfo, features_that_nothing_shows_are_not_named) {
     EXPECT_CONTAINS(format_info(describe(loaded(maker))), "  variants     glass\n");
 }
 
-TEST(SceneInfo, extensions_that_are_known_and_not_drawn_are_named_without_a_warning) {
+TEST(SceneInfo, extensions_of_which_something_is_not_drawn_are_named) {
     GltfMaker maker = with_materials({json::object()});
     maker.doc["extensionsUsed"] = {"KHR_animation_pointer", "KHR_xmp_json_ld", "KHR_materials_sheen", "ACME_gizmo"};
     maker.doc["extensionsRequired"] = {"KHR_animation_pointer", "KHR_xmp_json_ld", "KHR_materials_sheen"};
     const SceneInfo info = describe(loaded(maker));
-    EXPECT_EQ(info.extensions_not_drawn, (std::vector<std::string>{"KHR_animation_pointer", "ACME_gizmo"}));
+    EXPECT_EQ(info.extensions_not_drawn, std::vector<std::string>{"ACME_gizmo"});
     EXPECT_EQ(info.warnings, std::vector<std::string>{"the extension ACME_gizmo is unknown and ignored"});
-    EXPECT_CONTAINS(format_info(info), "  not drawn    KHR_animation_pointer, ACME_gizmo\n");
+    EXPECT_CONTAINS(format_info(info), "  not drawn    ACME_gizmo\n");
+    const json target{{"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", {{"pointer", "/materials/0/emissiveFactor"}}}}}};
+    maker.push("animations", {{"samplers", json::array()}, {"channels", {{{"sampler", 0}, {"target", target}}}}});
+    EXPECT_CONTAINS(format_info(describe(loaded(maker))), "  not drawn    ACME_gizmo, KHR_animation_pointer\n");
 }
 
 TEST(SceneInfo, cameras_without_a_name_are_listed_too) {

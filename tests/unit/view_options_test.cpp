@@ -34,6 +34,13 @@ TEST(ViewOptions, a_window_draws_without_end_unless_samples_are_given) {
     EXPECT_EQ(options.shutter_seconds, 0);
 }
 
+TEST(ViewOptions, an_environment_may_follow_the_scene) {
+    EXPECT_EQ(parse_view({"a.glb", "sky.hdr"}).environment, "sky.hdr");
+    EXPECT_EQ(parse_view({"a.glb", "--env", "sky.hdr"}).environment, "sky.hdr");
+    EXPECT_NE(usage_error({"a.glb", "sky.hdr", "--env", "b.hdr"}).find("given already"), std::string::npos);
+    EXPECT_NE(usage_error({"a.glb", "b.hdr", "c.hdr"}).find("too many"), std::string::npos);
+}
+
 TEST(ViewOptions, what_belongs_to_a_finished_picture_alone_is_refused) {
     EXPECT_NE(usage_error({"a.glb", "--checkpoint", "f"}).find("--checkpoint"), std::string::npos);
     EXPECT_NE(usage_error({"a.glb", "--spp-range", "0-64"}).find("--spp-range"), std::string::npos);

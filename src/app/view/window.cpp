@@ -63,7 +63,8 @@ VkSurfaceKHR Window::make_surface(VkInstance instance) const {
 
 Size2 Window::size() const {
     int width = 0, height = 0;
-    glfwGetFramebufferSize(window_, &width, &height);
+    // X11 leaves a minimised window its size.
+    if (glfwGetWindowAttrib(window_, GLFW_ICONIFIED) == 0) glfwGetFramebufferSize(window_, &width, &height);
     return {static_cast<uint32_t>(width), static_cast<uint32_t>(height)};
 }
 

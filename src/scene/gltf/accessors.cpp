@@ -207,7 +207,7 @@ std::vector<uint16_t> read_joint_numbers(GltfDocument& document, const JsonRef& 
 std::vector<float> read_numbers(GltfDocument& document, const JsonRef& use, uint32_t components, NumberKind kind) {
     const Accessor a = open_accessor(document, use);
     if (a.components != components) use.fail(fmt::format("has {} components in {}, expected {}", a.components, a.json.path(), components));
-    if (a.type != ComponentType::Float && (kind == NumberKind::Float || !a.normalized))
+    if (a.type != ComponentType::Float && (kind == NumberKind::Float || (kind == NumberKind::FloatOrNormalized && !a.normalized)))
         use.fail(fmt::format("{} does not have {}", a.json.path(),
                              kind == NumberKind::Float ? "floats" : "floats or normalised integers"));
     document.files().charge(a.count * components * sizeof(float), a.json.where());

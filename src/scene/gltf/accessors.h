@@ -67,7 +67,7 @@ std::vector<glm::mat4> read_matrices(GltfDocument& document, const JsonRef& use)
 std::vector<uint16_t> read_joint_numbers(GltfDocument& document, const JsonRef& use);
 
 // The numbers of all elements, of `components` each, one after the other.
-enum class NumberKind { Float, FloatOrNormalized };
+enum class NumberKind { Float, FloatOrNormalized, Any };
 std::vector<float> read_numbers(GltfDocument& document, const JsonRef& use, uint32_t components, NumberKind kind);
 
 // A SCALAR of an unsigned type; no index is `vertex_count` or more.

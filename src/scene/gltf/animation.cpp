@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "scene/gltf/accessors.h"
+#include "scene/gltf/animation_pointer.h"
 
 namespace parhelion {
 
@@ -14,11 +15,17 @@ std::optional<AnimatedPath> read_path(GltfDocument& document, const JsonRef& jso
     if (name == "rotation") return AnimatedPath::Rotation;
     if (name == "scale") return AnimatedPath::Scale;
     if (name == "weights") return AnimatedPath::Weights;
-    if (name == "pointer")
-        document.warn("what KHR_animation_pointer animates stands still");
-    else
-        document.warn(json, fmt::format("'{}' cannot be animated", escape_name(name, 20)));
+    document.warn(json, fmt::format("'{}' cannot be animated", escape_name(name, 20)));
     return std::nullopt;
+}
+
+// What a channel moves; nothing: what stands still.
+std::optional<AnimatedProperty> read_property(GltfDocument& document, const JsonRef& target) {
+    if (target.at("path").as_string() == "pointer") return read_animation_pointer(document, target);
+    const std::optional<AnimatedPath> path = read_path(document, target.at("path"));
+    const std::optional<JsonRef> node = target.find("node");
+    if (!path || !node) return std::nullopt;
+    return AnimatedProperty{*path, node->as_index_of("nodes")};
 }
 
 Interpolation read_interpolation(const JsonRef& sampler) {
@@ -54,9 +61,13 @@ OutputShape shape_of(AnimatedPath path, uint32_t target_count) {
             return {1, target_count, NumberKind::FloatOrNormalized};
         case AnimatedPath::Translation:
         case AnimatedPath::Scale:
+            return {3, 3, NumberKind::Float};
+        case AnimatedPath::Color:
+            return {3, 3, NumberKind::Any};
+        default:
             break;
     }
-    return {3, 3, NumberKind::Float};
+    return {1, 1, NumberKind::Any};
 }
 
 void warn_unless_unit(GltfDocument& document, const JsonRef& use, const AnimationChannel& channel) {
@@ -72,7 +83,7 @@ void warn_unless_unit(GltfDocument& document, const JsonRef& use, const Animatio
 
 class AnimationReader {
 public:
-    AnimationReader(GltfDocument& document, const std::map<uint32_t, AnimatedNode>& nodes) : document_(document), nodes_(nodes) {}
+    AnimationReader(GltfDocument& document, const AnimatedObjects& objects) : document_(document), objects_(objects) {}
 
     Animation read(const JsonRef& json) {
         Animation animation{.name = json.string("name")};
@@ -81,27 +92,56 @@ public:
         std::set<std::pair<uint32_t, AnimatedPath>> moved;
         for (size_t i = 0; i < channels.size(); ++i) {
             const JsonRef target = channels[i].at("target");
-            const std::optional<AnimatedPath> path = read_path(document_, target.at("path"));
-            const std::optional<JsonRef> node_ref = target.find("node");
-            if (!path || !node_ref) continue;
-            const uint32_t node_index = node_ref->as_index_of("nodes");
-            const auto node = nodes_.find(node_index);
-            if (node == nodes_.end()) continue;
-            if (!moved.insert({node_index, *path}).second)
-                target.fail("moves what a channel before it moves", "an animation moves each property of a node once");
-            if (fits(target, *path, node->second) && has_keys(channels[i], samplers)) animation.channels.push_back(read_channel(channels[i], samplers, *path, node->second));
+            const std::optional<AnimatedProperty> property = read_property(document_, target);
+            if (!property) continue;
+            std::vector<AnimationChannel> copies = channels_of(*property);
+            if (copies.empty()) continue;
+            if (!moved.insert({property->object, property->path}).second)
+                target.fail("moves what a channel before it moves", "an animation moves each property of an object once");
+            if (!fits(target, *property) || !has_keys(channels[i], samplers)) continue;
+            for (AnimationChannel& channel : copies) {
+                read_keys(channels[i], samplers, property->object, channel);
+                animation.channels.push_back(std::move(channel));
+            }
         }
         return animation;
     }
 
 private:
-    bool fits(const JsonRef& target, AnimatedPath path, const AnimatedNode& node) {
-        if (path == AnimatedPath::Weights && node.target_count == 0) {
+    // One for each object of the scene that the file's is; without keys yet.
+    std::vector<AnimationChannel> channels_of(const AnimatedProperty& property) const {
+        std::vector<AnimationChannel> out;
+        const auto add = [&](const auto& table, auto&& set) {
+            const auto found = table.find(property.object);
+            if (found == table.end()) return;
+            for (const auto handle : found->second) set(out.emplace_back(AnimationChannel{.path = property.path}), handle);
+        };
+        switch (object_of(property.path)) {
+            case AnimatedObject::Light:
+                add(objects_.lights, [](AnimationChannel& channel, Handle<Light> light) { channel.light = light; });
+                break;
+            case AnimatedObject::Camera:
+                add(objects_.cameras, [](AnimationChannel& channel, Handle<Camera> camera) { channel.camera = camera; });
+                break;
+            case AnimatedObject::Node:
+                if (const auto node = objects_.nodes.find(property.object); node != objects_.nodes.end()) out.push_back({.node = node->second.node, .path = property.path});
+        }
+        return out;
+    }
+
+    uint32_t target_count(uint32_t node) const {
+        const auto found = objects_.nodes.find(node);
+        return found == objects_.nodes.end() ? 0 : found->second.target_count;
+    }
+
+    bool fits(const JsonRef& target, const AnimatedProperty& property) {
+        if (property.path == AnimatedPath::Weights && target_count(property.object) == 0) {
             document_.warn(target, "animates weights, but its node has no morph targets");
             return false;
         }
-        if (path != AnimatedPath::Weights && document_.entry("nodes", target.at("node")).find("matrix"))
-            target.at("node").fail("its node has a matrix", "animated nodes have translation, rotation and scale");
+        const bool moves = property.path == AnimatedPath::Translation || property.path == AnimatedPath::Rotation || property.path == AnimatedPath::Scale;
+        if (moves && document_.root().at("nodes")[property.object].find("matrix"))
+            target.fail("its node has a matrix", "animated nodes have translation, rotation and scale");
         return true;
     }
 
@@ -120,10 +160,13 @@ private:
         return false;
     }
 
-    AnimationChannel read_channel(const JsonRef& json, const JsonRef& samplers, AnimatedPath path, const AnimatedNode& node) {
+    void read_keys(const JsonRef& json, const JsonRef& samplers, uint32_t object, AnimationChannel& channel) {
         const JsonRef sampler = sampler_of(json, samplers);
-        const OutputShape shape = shape_of(path, node.target_count);
-        AnimationChannel channel{.node = node.node, .path = path, .interpolation = read_interpolation(sampler), .width = shape.width};
+        const OutputShape shape = shape_of(channel.path, target_count(object));
+        channel.interpolation = read_interpolation(sampler);
+        channel.width = shape.width;
+        if (channel.path == AnimatedPath::Visible && channel.interpolation != Interpolation::Step)
+            json.at("sampler").fail("what is there or not is not interpolated", "its sampler is of STEP");
         document_.files().charge(sizeof(AnimationChannel), json.where());
         channel.times = read_times(document_, sampler.at("input"));
         const JsonRef output = sampler.at("output");
@@ -132,20 +175,19 @@ private:
         if (channel.values.size() != wanted)
             output.fail(fmt::format("has {} elements, but {} keys need {}", channel.values.size() / shape.components, channel.times.size(),
                                     wanted / shape.components));
-        if (path == AnimatedPath::Rotation) warn_unless_unit(document_, output, channel);
-        return channel;
+        if (channel.path == AnimatedPath::Rotation) warn_unless_unit(document_, output, channel);
     }
 
     GltfDocument& document_;
-    const std::map<uint32_t, AnimatedNode>& nodes_;
+    const AnimatedObjects& objects_;
 };
 
 }  // namespace
 
-void add_animations(GltfDocument& document, SceneEdit& edit, const std::map<uint32_t, AnimatedNode>& nodes) {
+void add_animations(GltfDocument& document, SceneEdit& edit, const AnimatedObjects& objects) {
     const std::optional<JsonRef> animations = document.root().find_array("animations");
     if (!animations) return;
-    AnimationReader reader(document, nodes);
+    AnimationReader reader(document, objects);
     for (size_t i = 0; i < animations->size(); ++i) edit.add(reader.read((*animations)[i]));
 }
 

@@ -107,9 +107,9 @@ void GltfDocument::check_extensions() {
     std::set<std::string_view> seen;
     for (const std::string& name : used_) {
         const ExtensionUse use = extension_use(name);
-        if (use == ExtensionUse::Read || use == ExtensionUse::Harmless || !seen.insert(name).second) continue;
+        if (use != ExtensionUse::Unknown || !seen.insert(name).second) continue;
         not_drawn_.push_back(name);
-        if (use == ExtensionUse::Unknown) warn(fmt::format("the extension {} is unknown and ignored", escape_name(name)));
+        warn(fmt::format("the extension {} is unknown and ignored", escape_name(name)));
     }
 }
 
@@ -117,6 +117,10 @@ void GltfDocument::warn(std::string text) {
     constexpr size_t kMostWarnings = 100;
     if (warnings_.size() >= kMostWarnings || !warned_.insert(text).second) return;
     warnings_.push_back(std::move(text));
+}
+
+void GltfDocument::leave_out(std::string_view extension) {
+    if (!contains(not_drawn_, std::string(extension))) not_drawn_.emplace_back(extension);
 }
 
 void GltfDocument::warn(const JsonRef& place, std::string_view text) { warn(fmt::format("{}: {}", place.path(), text)); }

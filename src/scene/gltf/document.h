@@ -44,6 +44,8 @@ public:
     // The picture is still right, or as right as can be: kept for the user, each text once.
     void warn(std::string text);
     void warn(const JsonRef& place, std::string_view text);
+    // Something that this extension says is not in the picture.
+    void leave_out(std::string_view extension);
     std::vector<std::string> take_warnings() { return std::move(warnings_); }
 
     const std::vector<std::string>& extensions_used() const { return used_; }

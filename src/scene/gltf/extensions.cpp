@@ -17,7 +17,7 @@ constexpr Row kExtensions[] = {
     {"EXT_mesh_gpu_instancing", ExtensionUse::Read},
     {"EXT_meshopt_compression", ExtensionUse::Read},
     {"EXT_texture_webp", ExtensionUse::Read},
-    {"KHR_animation_pointer", ExtensionUse::NotDrawn},
+    {"KHR_animation_pointer", ExtensionUse::Read},
     {"KHR_draco_mesh_compression", ExtensionUse::Read},
     {"KHR_lights_punctual", ExtensionUse::Read},
     {"KHR_materials_anisotropy", ExtensionUse::Read},
@@ -35,6 +35,7 @@ constexpr Row kExtensions[] = {
     {"KHR_materials_volume", ExtensionUse::Read},
     {"KHR_mesh_quantization", ExtensionUse::Read},
     {"KHR_meshopt_compression", ExtensionUse::Read},
+    {"KHR_node_visibility", ExtensionUse::Read},
     {"KHR_texture_basisu", ExtensionUse::Read},  // as far as image_of_texture() says
     {"KHR_texture_transform", ExtensionUse::Read},
     {"KHR_xmp", ExtensionUse::Harmless},

@@ -6,8 +6,7 @@
 namespace parhelion {
 
 enum class ExtensionUse : uint8_t {
-    Read,      // what it says is in the Scene; what of that is not drawn, SceneInfo tells from the scene itself
-    NotDrawn,  // known, and a scene can be shown without it: `parhelion info` names it
+    Read,      // what it says is in the Scene; what of that is not drawn, SceneInfo tells from the scene itself, or the reader (GltfDocument::leave_out)
     Harmless,  // says nothing about the picture
     Unknown,   // required: an error; only used: a warning
 };

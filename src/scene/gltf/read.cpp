@@ -32,7 +32,7 @@ public:
         add_skins();
         for (size_t n = 0; n < nodes_.size(); ++n)
             if (nodes_[n].drawn) add_contents(node_json(nodes_[n]), handles_.at(nodes_[n].index), worlds_[n]);
-        add_animations(document_, edit_, animated_nodes());
+        add_animations(document_, edit_, {animated_nodes(), lights_, cameras_});
         if (nodes_.empty()) document_.warn("the scene is empty");
         return std::move(edit_);
     }
@@ -82,6 +82,7 @@ private:
         for (const GltfNode& node : nodes_) {
             const JsonRef json = node_json(node);
             Node value{.name = json.string("name"), .local = read_transform(document_, json)};
+            if (const auto visibility = json.extension("KHR_node_visibility")) value.visible = visibility->boolean("visible", true);
             worlds_.push_back(glm::dmat4(matrix_of(value.local)));
             if (node.parent != GltfNode::kNoParent) {
                 value.parent = handles[node.parent];
@@ -157,7 +158,7 @@ private:
             charge_name(*camera_ref, camera.name);
             if (camera.name.empty()) camera.name = node_name;
             camera.place.node = node;
-            edit_.add(std::move(camera));
+            cameras_[camera_ref->as_index_of("cameras")].push_back(edit_.add(std::move(camera)));
         }
         if (const auto extension = json.extension("KHR_lights_punctual")) add_light(extension->at("light"), node, node_name);
     }
@@ -192,7 +193,7 @@ private:
         charge_name(ref, light.name);
         if (light.name.empty()) light.name = node_name;
         light.place.node = node;
-        edit_.add(std::move(light));
+        lights_[static_cast<uint32_t>(index)].push_back(edit_.add(std::move(light)));
     }
 
     GltfDocument& document_;
@@ -211,6 +212,8 @@ private:
     std::map<uint32_t, Deformation> deformation_;
     std::map<uint32_t, Handle<Skin>> skins_;
     std::map<uint32_t, size_t> joint_counts_;
+    std::map<uint32_t, std::vector<Handle<Light>>> lights_;
+    std::map<uint32_t, std::vector<Handle<Camera>>> cameras_;
 };
 
 }  // namespace

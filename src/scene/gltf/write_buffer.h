@@ -26,7 +26,7 @@ Json numbers(const glm::vec<N, float, glm::defaultp>& v) {
 }
 
 enum class Target { None = 0, Vertices = 34962, Indices = 34963 };  // 5.11.5, bufferView.target
-enum class Component { UnsignedShort = 5123, UnsignedInt = 5125, Float = 5126 };
+enum class Component { UnsignedByte = 5121, UnsignedShort = 5123, UnsignedInt = 5125, Float = 5126 };
 
 // A typed array (3.6.2). `type` is SCALAR, VEC2 ... MAT4.
 struct Elements {

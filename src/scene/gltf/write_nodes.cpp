@@ -44,7 +44,12 @@ public:
         lay_out();
         Json scene = Json::object();
         for (uint32_t root = 0; root < root_count_; ++root) scene["nodes"].push_back(root);
+        for (const auto& [handle, animation] : writer_.scene.animations())
+            for (const AnimationChannel& channel : animation.channels)
+                if (channel.path == AnimatedPath::Visible) shown_and_hidden_.insert(&writer_.scene.get(channel.node));
         for (const OutNode& node : nodes_) writer_.push("nodes", node_json(node));
+        note_numbers(camera_numbers_, writer_.cameras);
+        note_numbers(light_numbers_, writer_.lights);
         if (!lights_.empty()) writer_.extend(writer_.root, "KHR_lights_punctual", {{"lights", std::move(lights_)}});
         writer_.root["scene"] = 0;
         writer_.push("scenes", std::move(scene));
@@ -148,12 +153,21 @@ private:
             if (out.instance->skin) json["skin"] = skin_number(out.instance->skin);
             if (!out.instance->weights.empty()) json["weights"] = numbers(out.instance->weights.data(), out.instance->weights.size());
         }
-        if (out.camera != nullptr) json["camera"] = writer_.push("cameras", camera_json(*out.camera, name));
+        if (out.node != nullptr && (!out.node->visible || shown_and_hidden_.contains(out.node)))
+            writer_.extend(json, "KHR_node_visibility", {{"visible", out.node->visible}});
+        if (out.camera != nullptr) json["camera"] = camera_numbers_[out.camera] = writer_.push("cameras", camera_json(*out.camera, name));
         if (out.light != nullptr) {
+            light_numbers_[out.light] = static_cast<uint32_t>(lights_.size());
             writer_.extend(json, "KHR_lights_punctual", {{"light", lights_.size()}});
             lights_.push_back(light_json(*out.light, name));
         }
         return json;
+    }
+
+    template <class T>
+    void note_numbers(const std::map<const T*, uint32_t>& numbers, Numbers<T>& out) const {
+        for (const auto& [handle, ignored] : writer_.scene.all<T>())
+            if (const auto found = numbers.find(&writer_.scene.get(handle)); found != numbers.end()) out.set(handle, found->second);
     }
 
     // Skins are written after the nodes, whose numbers they need, in the order in which nodes use them.
@@ -205,6 +219,9 @@ private:
     std::vector<OutNode> nodes_;
     uint32_t root_count_ = 0;
     Json lights_ = Json::array();
+    std::map<const Camera*, uint32_t> camera_numbers_;
+    std::map<const Light*, uint32_t> light_numbers_;
+    std::set<const Node*> shown_and_hidden_;  // by an animation, whose pointer needs something to point to
 };
 
 }  // namespace

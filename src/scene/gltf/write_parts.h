@@ -46,6 +46,8 @@ struct Writer {
     Numbers<Mesh> meshes = {};
     Numbers<Node> nodes = {};
     Numbers<Skin> skins = {};
+    Numbers<Light> lights = {};
+    Numbers<Camera> cameras = {};
     std::map<uint32_t, std::vector<uint32_t>> instance_nodes = {};  // by index of a Node's handle: the nodes in the file that carry its instances
     std::vector<Handle<Skin>> skin_order = {};
 
