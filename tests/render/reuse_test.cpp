@@ -1,5 +1,7 @@
 // Reservoirs: what varies between machines changes no picture. That their means are the reference's is tested by ./dev truth.
 #include <algorithm>
+#include <array>
+#include <bit>
 
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -109,6 +111,65 @@ TEST_F(Reuse, a_lamp_that_comes_near_shines_in_the_same_frame) {
     const double seen = mean_luminance(player.next(std::move(nearer)));
     EXPECT_GT(seen, 2.0 * before);
     EXPECT_NEAR(seen / Player(stage, shot_from_above(), {}).mean(8), 1.0, 0.03);
+}
+
+// Sums over the picture of the signals that reconstruction gets: red, green and blue of the diffuse one, then of the specular one.
+std::array<double, 6> signals_of(Stage& stage, const Shot& shot, const RealtimeOptions& options, uint32_t frames) {
+    Player player(stage, shot, options);
+    player.realtime.keep_input(true);
+    std::array<double, 6> sums{};
+    for (uint32_t i = 0; i < frames; ++i) {
+        player.skip(1);
+        const InputReadback input = player.realtime.read_input(stage.frame);
+        for (size_t plane = 0; plane < sums.size(); ++plane)
+            for (const uint32_t word : input.plane(plane)) sums[plane] += std::bit_cast<float>(word);
+    }
+    return sums;
+}
+
+// Who shares with nobody has what its paths bring, by the same lobes: also where these are a mirror's, and another surface is shown in its place.
+TEST_F(Reuse, a_pixel_alone_has_what_its_path_brings_by_the_same_lobes) {
+    for (const char* scene : {"builtin:cornell", "builtin:reflections", "builtin:spheres"}) {
+        Stage& stage = builtin_stage(scene);
+        const Shot shot{.view = {.width = 48, .height = 48, .filter = PixelFilter::Point}};
+        const RealtimeOptions none{.reconstruction = ReconstructionOptions{}};
+        RealtimeOptions alone = none;
+        alone.reuse = RealtimeReuse::Full;
+        alone.reuse_options = {.confidence = 0, .neighbours = 0};
+        const std::array<double, 6> want = signals_of(stage, shot, none, 4), got = signals_of(stage, shot, alone, 4);
+        for (size_t i = 0; i < want.size(); ++i) EXPECT_NEAR(got[i], want[i], 0.002 * want[i]) << scene << ", " << i;
+    }
+}
+
+// Of what its path was offered a pixel takes all, not one sample for it, and pairs exchange: in a room of red and green walls that one sample would make the
+// colours of means over pixels noisier than they are without reuse, which reconstruction could not mend.
+TEST_F(Reuse, colours_of_means_over_pixels_are_no_noisier_than_without) {
+    constexpr uint32_t kSize = 64, kBlock = 16, kBlocks = kSize / kBlock, kFrames = 48;
+    Stage& stage = builtin_stage("builtin:cornell");
+    const Shot shot{.view = {.width = kSize, .height = kSize, .filter = PixelFilter::Point}};
+    const auto variance_of = [&](const RealtimeOptions& options) {  // of red's part in each block's light, summed over them
+        Player player(stage, shot, options);
+        player.skip(16);
+        std::array<double, kBlocks * kBlocks> sum{}, squares{};
+        for (uint32_t f = 0; f < kFrames; ++f) {
+            const image::ImageF picture = player.next();
+            for (size_t block = 0; block < sum.size(); ++block) {
+                double red = 0, all = 0;
+                for (size_t p = 0; p < kBlock * kBlock; ++p) {
+                    const size_t x = block % kBlocks * kBlock + p % kBlock, y = block / kBlocks * kBlock + p / kBlock;
+                    for (size_t c = 0; c < 3; ++c) all += picture.plane(c)[y * kSize + x];
+                    red += picture.plane(0)[y * kSize + x];
+                }
+                const double part = red / std::max(all, 1e-9);
+                sum[block] += part / kFrames, squares[block] += part * part / kFrames;
+            }
+        }
+        double variance = 0;
+        for (size_t block = 0; block < sum.size(); ++block) variance += squares[block] - sum[block] * sum[block];
+        return variance;
+    };
+    const double none = variance_of({}), full = variance_of({.reuse = RealtimeReuse::Full});
+    EXPECT_LT(full, none);
 }
 
 // Samples of light that points of the room sent on are kept with that light: it must go with what it came from. Without the cache nothing else remembers.

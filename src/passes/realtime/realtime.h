@@ -14,7 +14,7 @@ struct Signals {
 };
 Signals make_signals(const gpu::DevicePtr& device, uint64_t pixels);
 
-// Paths of a band: 192 bytes a slot, 20 more in scenes of layered materials, 132 more with reservoirs.
+// Paths of a band: 192 bytes a slot, 20 more in scenes of layered materials, 128 more with reservoirs.
 struct LightPaths {
     WavefrontState machine;             // its control, sizes, lists, rays, hits, shadow_rays and shadow_list
     gpu::Buffer paths, pending, sums;   // LightPath, LightPending, LightSums [slots]

@@ -75,12 +75,20 @@ void note_scattering(inout PathState path, Shading shading, float factor, float 
     path.throughput = vec3(factor / density);
 }
 
-void offer_now(ViewData view, PathKey key, uint slot, LightSampleRef y, LightSums brings, float density, uint which) {
-    const float weight = luminance(brings.diffuse + brings.specular);
+// A sample with what it brings to the pixel, and the density with which it was found.
+struct Offer {
+    LightSampleRef point;
+    LightSums brings;
+    float density;
+};
+
+void offer_now(ViewData view, PathKey key, uint slot, Offer o, uint which) {
+    const float weight = luminance(o.brings.diffuse + o.brings.specular);
     if (!(weight > 0.0)) return;
     const uint pixel = key.pixel.y * view.width + key.pixel.x;
-    offer(push.reservoirs, reservoir_of(view, pixel, y.kind, push.frame.reservoir_sets), pack_sample(y, 1u), weight, weight * density, offer_number(key.pixel, key.sample_index, key.seed, push.round, which));
-    add_light(push.offered, slot, brings.diffuse, brings.specular);
+    offer(push.reservoirs, reservoir_of(view, pixel, o.point.kind, push.frame.reservoir_sets), pack_sample(o.point, 1u), weight, weight * o.density,
+          offer_number(key.pixel, key.sample_index, key.seed, push.round, which));
+    add_light(push.offered, slot, o.brings.diffuse, o.brings.specular);
 }
 
 void keep_second(uint slot) {
@@ -94,30 +102,34 @@ void keep_second(uint slot) {
     push.reuse.v[slot].density = second.density;
 }
 
+LightSampleRef emitter_sample(WavefrontHit met, vec2 barycentrics, vec3 radiance) {
+    LightSampleRef y = kNoSampleRef;
+    y.kind = kSampleEmitter;
+    y.flags = kSampleSeen;
+    y.reference = met.instance_bits & kHitInstanceMask;
+    y.geometry = met.geometry;
+    y.number = met.primitive;
+    y.place = pack_place(barycentrics);
+    y.radiance = radiance;
+    return y;
+}
+
 // What of the arriving light may be shared goes to the reservoir.
 void share_arriving(ViewData view, PathKey key, uint slot, WavefrontHit met, vec3 came_by, float came_with, inout VertexResult vertex, inout PathClass path_class) {
     if (push.round == 0u) return;
     const vec3 light = vertex.arriving;
-    vec3 arriving = light * prefix;
+    vertex.arriving *= prefix;
     if (light == vec3(0.0)) return;
-    if (path_class.bounce >= 2u && is_second()) {
-        const LightSums taken = take_shared(arriving, path_class, second, second.share);
-        offer_now(view, key, slot, sample_at_second(second, kSampleReconnection, unpack_direction(second.direction), light), taken, second.density, 0u);
-    } else if (push.round == 1u && (second.bits & kReuseFirst) != 0u) {
-        if (met.instance_bits == kHitMiss) offer_now(view, key, slot, sample_of_direction(kSampleOutside, scene.header.environment.emitter, came_by, light), take_shared(arriving, path_class, second, vec3(1.0)), area_density(came_with, 1.0, 1.0), 0u);
-        else if (is_packable(met.geometry)) {
-            LightSampleRef y = kNoSampleRef;
-            y.kind = kSampleEmitter;
-            y.flags = kSampleSeen;
-            y.reference = met.instance_bits & kHitInstanceMask;
-            y.geometry = met.geometry;
-            y.number = met.primitive;
-            y.place = pack_place(vertex.barycentrics);
-            y.radiance = light;
-            offer_now(view, key, slot, y, take_shared(arriving, path_class, second, vec3(1.0)), area_density(came_with, vertex.t, vertex.facing), 0u);
-        }
-    }
-    vertex.arriving = arriving;
+    const bool behind = path_class.bounce >= 2u && is_second(), sky = met.instance_bits == kHitMiss;
+    const bool there = !behind && push.round == 1u && (second.bits & kReuseFirst) != 0u && (sky || is_packable(met.geometry));
+    if (!behind && !there) return;
+    Offer o;
+    o.brings = take_shared(vertex.arriving, path_class, second, behind ? second.share : vec3(1.0));
+    o.density = behind ? second.density : sky ? area_density(came_with, 1.0, 1.0) : area_density(came_with, vertex.t, vertex.facing);
+    if (behind) o.point = sample_at_second(second, kSampleReconnection, unpack_direction(second.direction), light);
+    else if (sky) o.point = sample_of_direction(kSampleOutside, scene.header.environment.emitter, came_by, light);
+    else o.point = emitter_sample(met, vertex.barycentrics, light);
+    offer_now(view, key, slot, o, 0u);
 }
 
 // And of what the cache knows.
@@ -126,7 +138,7 @@ void share_cached(ViewData view, PathKey key, uint slot, inout PathClass path_cl
     if (from_cache == vec3(0.0) || !is_second()) return;
     const bool here = push.round == 1u;
     const LightSums taken = take_shared(from_cache, path_class, second, here ? vec3(1.0) : second.share);
-    offer_now(view, key, slot, sample_at_second(second, here ? kSampleRadiosity : kSampleReconnection, unpack_direction(second.direction), cached), taken, second.density, 1u);
+    offer_now(view, key, slot, Offer(sample_at_second(second, here ? kSampleRadiosity : kSampleReconnection, unpack_direction(second.direction), cached), taken, second.density), 1u);
 }
 
 // And of a light sample, with its shadow ray.

@@ -63,10 +63,12 @@ bool ask_partners(ViewData view, uvec2 id, uint pixel, Reservoir own, out Offere
     for (uint i = 0u; i < push.frame.neighbours; ++i)
         if (read_partner(view, id, pixel, i, partner)) around += float(packed_confidence(push.reservoirs.v[reservoir_at(pixels, push.frame.set, partner.pixel)].point));
     if (around <= 0.0) return false;
+    own.target = as_told(own.target);
     for (uint i = 0u; i < push.frame.neighbours; ++i) {
         if (!read_partner(view, id, pixel, i, partner)) continue;
         Reservoir other = unpack_reservoir(push.reservoirs.v[reservoir_at(pixels, push.frame.set, partner.pixel)]);
         other.point.flags |= kSampleSeen;  // or it brings nothing
+        other.target = as_told(other.target);
         const uvec4 random = pcg4d(uvec4(min(pixel, partner.pixel), push.frame.frame_index, view.seed ^ kPartnerSalt, 2u * i + push.frame.set));
         if (offer_reservoir(offered, own, other, around, partner.here, partner.there, uint_to_unit_float(pixel < partner.pixel ? random.y : random.z))) u = uint_to_unit_float(random.x);
     }

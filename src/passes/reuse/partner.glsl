@@ -16,10 +16,11 @@ ivec2 partner_of(ViewData view, ReuseFrame frame, uvec2 id, uint index, uint tur
 }
 
 // What a partner's sample brings, about; in which turn that partner was found; whether that took a ray. 16 bits: of the number its exponent and 6 bits, which will
-// do for a weight that all who use it have alike.
+// do where shares are weighed, as long as all numbers that these are made of are rounded alike (as_told): else two pixels' shares of a sample would not add up to 1.
 const uint kToldShift = 17u, kMostTold = (0x7F800000u >> kToldShift) - 1u;
 uint pack_told(float target, uint turn, bool traced) { return min(floatBitsToUint(target) >> kToldShift, kMostTold) << 2 | (traced ? 2u : 0u) | turn; }
 float told_target(uint told) { return uintBitsToFloat(told >> 2 << kToldShift); }
+float as_told(float target) { return told_target(pack_told(target, 0u, false)); }
 uint told_turn(uint told) { return told & 1u; }
 bool told_traced(uint told) { return told != kNoPartner && (told & 2u) != 0u; }
 
