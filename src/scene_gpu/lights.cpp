@@ -2,8 +2,11 @@
 // flux; and the environment's table. Motion remakes only the top.
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <numeric>
+#include <string_view>
+#include <tuple>
 
 #include "base/hash.h"
 #include "scene/deform.h"
@@ -50,12 +53,13 @@ constexpr uint32_t kMaxTableWidth = 1024, kMaxTableHeight = 512;
 }  // namespace
 
 std::vector<uint32_t> translate_rows(std::span<const EmitterKey> before, std::span<const EmitterKey> now) {
+    if (std::ranges::equal(before, now)) return {};
+    std::map<EmitterKey, uint32_t> row_of;
+    for (uint32_t row = 0; row < now.size(); ++row) row_of.emplace(now[row], row);
     std::vector<uint32_t> rows(before.size(), shared::kNone);
     bool same = true;
-    uint32_t next = 0;
     for (uint32_t row = 0; row < before.size(); ++row) {
-        while (next < now.size() && now[next].place() < before[row].place()) ++next;
-        if (next < now.size() && now[next].place() == before[row].place() && now[next].generation == before[row].generation) rows[row] = next;
+        if (const auto found = row_of.find(before[row]); found != row_of.end()) rows[row] = found->second;
         same = same && rows[row] == row;
     }
     if (same) rows.clear();
@@ -110,6 +114,37 @@ uint64_t hash_place(const shared::Environment& e) { return Hasher{}.add(e.rotati
 
 }  // namespace
 
+// Rows of drawn instances that shine, by their nodes, which last, and not as they have come: so that the same random number means the same light, whatever was added
+// and taken away before.
+std::vector<uint32_t> SceneGpu::State::shining_instances() const {
+    std::vector<std::tuple<uint32_t, uint32_t, uint32_t, uint32_t>> order;  // node, mesh, slot; row
+    for (uint32_t row = 0; row < instances.size(); ++row) {
+        if (!instance_handles[row]) continue;
+        const auto shines = [&](uint32_t g) { return geometries[instances[row].geometry_base + g].triangle_table != shared::kNone; };
+        bool any = false;
+        for (uint32_t g = 0; g < instances[row].geometry_count; ++g) any = any || shines(g);
+        if (!any) continue;
+        const Instance& instance = scene->get(instance_handles[row]);
+        order.emplace_back(instance.place.node.index, instance.mesh.index, instance_handles[row].index, row);
+    }
+    std::ranges::sort(order);
+    std::vector<uint32_t> rows;
+    for (const auto& entry : order) rows.push_back(std::get<3>(entry));
+    return rows;
+}
+
+// The same of lights without a mesh, which may have a name of their own instead of a node.
+std::vector<Handle<Light>> SceneGpu::State::shown_lights() const {
+    std::vector<Handle<Light>> lights;
+    for (const auto& [handle, light] : scene->lights())
+        if (light.place.shown) lights.push_back(handle);
+    std::ranges::sort(lights, {}, [&](Handle<Light> handle) {
+        const Light& light = scene->get(handle);
+        return std::tuple(light.place.node.index, std::string_view(light.name), handle.index);
+    });
+    return lights;
+}
+
 void SceneGpu::State::place_emitters() {
     emitters.clear();
     const std::vector<EmitterKey> keys_before = std::move(emitter_keys);
@@ -126,8 +161,7 @@ void SceneGpu::State::place_emitters() {
         emitters.push_back(emitter);
         emitter_keys.push_back(key);
     };
-    for (uint32_t i = 0; i < instances.size(); ++i) {
-        if (!instance_handles[i]) continue;
+    for (const uint32_t i : shining_instances()) {
         for (uint32_t g = 0; g < instances[i].geometry_count; ++g) {
             const uint32_t geometry = instances[i].geometry_base + g;
             if (geometries[geometry].triangle_table == shared::kNone) continue;
@@ -142,8 +176,8 @@ void SceneGpu::State::place_emitters() {
                 {strength, hash_place(instance, material)}, sides * kPi * strength * world_flux(*scene, mesh, g, table, instance.place.world_from_object), false);
         }
     }
-    for (const auto& [handle, light] : scene->lights()) {
-        if (!light.place.shown) continue;
+    for (const Handle<Light> handle : shown_lights()) {
+        const Light& light = scene->get(handle);
         const glm::mat4& world = light.place.world_from_object;
         const glm::vec3 intensity = light.color * light.intensity;
         shared::Emitter row{.kind = light.kind == LightKind::Directional ? shared::kEmitterDirectional : light.kind == LightKind::Spot ? shared::kEmitterSpot : shared::kEmitterPoint,

@@ -165,13 +165,13 @@ struct InstanceRow {
     uint32_t generation = 0, row = 0;
 };
 
-// Which light a row of the emitter table is, in any frame. Rows are in this order, of the first three members.
+// Which light a row of the emitter table is, in any frame.
 enum : uint32_t { kOfInstance, kOfLight, kOfEnvironment };  // EmitterKey::kind
 struct EmitterKey {
     uint32_t kind;
     uint32_t index, part; // row of the instance and geometry of its mesh; slot of the light
     uint32_t generation;
-    auto place() const { return std::tuple(kind, index, part); }
+    auto operator<=>(const EmitterKey&) const = default;
 };
 // Where each of the rows `before` is among `now`, shared::kNone where it is not. Empty: those that were are where they were.
 std::vector<uint32_t> translate_rows(std::span<const EmitterKey> before, std::span<const EmitterKey> now);
@@ -336,6 +336,8 @@ struct SceneGpu::State {
     void place_driver_top(std::span<const uint32_t> drawn, std::span<MeshOnDevice* const> drawn_mesh);
     void place_own_top(std::span<const uint32_t> drawn, std::span<MeshOnDevice* const> drawn_mesh);
     void place_drawn(std::span<const uint32_t> drawn, std::span<MeshOnDevice* const> drawn_mesh);
+    std::vector<uint32_t> shining_instances() const;
+    std::vector<Handle<Light>> shown_lights() const;
     void place_emitters();   // the top of the light table
 
     // Step 3.

@@ -59,6 +59,7 @@ private:
     void render();
     [[noreturn]] void rethrow_with_checkpoint(const Error& error) const;
     bool should_stop();
+    bool ends_block_first() const;  // a part or a checkpoint has whole blocks: who stops goes on until the end of one
     void show_progress(Progress& progress);
     void save_checkpoint();
     void write_outputs();
@@ -88,10 +89,11 @@ void Job::resume() {
     slicer_.emplace(make_slicer(samples));
 }
 
+bool Job::ends_block_first() const { return (options_.is_part || !options_.checkpoint.empty()) && slicer_->inside_block_end(); }
+
 bool Job::should_stop() {
-    const bool in_block = options_.is_part || !options_.checkpoint.empty();
     if (report_.interrupt == platform::Interrupt::None) report_.interrupt = platform::interrupt_requested();
-    if (report_.interrupt != platform::Interrupt::None) return !(in_block && slicer_->inside_block_end());
+    if (report_.interrupt != platform::Interrupt::None) return !ends_block_first();
     if (!is_out_of_time()) return false;
     // Out of time. What is written needs at least one sample in every pixel, a part one block.
     const uint64_t done = slicer_->whole_samples();
@@ -99,7 +101,7 @@ bool Job::should_stop() {
         (options_.is_part && (done / shared::kSamplesPerBlock * shared::kSamplesPerBlock) <= options_.samples.begin))
         return false;
     report_.out_of_time = true;
-    return !(in_block && slicer_->inside_block_end());
+    return !ends_block_first();
 }
 
 void Job::show_progress(Progress& progress) {
@@ -112,7 +114,7 @@ void Job::render() {
     Progress progress("rendering", slicer_->total_work());
     show_progress(progress);
     while (!should_stop()) {
-        if (slicer_->whole_samples() < options_.samples.end && !stand_at(slicer_->whole_samples())) break;
+        if (slicer_->whole_samples() < options_.samples.end && !stand_at(slicer_->whole_samples(), !ends_block_first())) break;
         const auto slice = slicer_->next();
         if (!slice) break;
         const auto slice_begin = Clock::now();

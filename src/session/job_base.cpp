@@ -127,7 +127,7 @@ void JobBase::set_up() {
     report_.setup_seconds = seconds_since(begin);
 }
 
-bool JobBase::bring_in_scene(bool shown) {
+bool JobBase::bring_in_scene(bool shown, bool may_stop) {
     std::optional<Progress> progress;
     if (shown) progress.emplace("bringing the scene to the device", 1);
     while (true) {
@@ -138,7 +138,7 @@ bool JobBase::bring_in_scene(bool shown) {
         add_times();
         if (options_.list_frame && shown) report_.listing += "scene\n" + frame_->listing(true) + "\n";
         report_.interrupt = platform::interrupt_requested();
-        if (is_interrupted()) return false;
+        if (may_stop && is_interrupted()) return false;
     }
     const SceneGpuStats& stats = scene_gpu_->stats();
     report_.traced_triangles = stats.instanced_traced_triangles;
@@ -156,7 +156,7 @@ void JobBase::open_shutter(double opens) {
     if (options_.shutter_seconds > 0 && can_move) shutter_ = OpenShutter{opens};
 }
 
-bool JobBase::stand_at(uint64_t sample) {
+bool JobBase::stand_at(uint64_t sample, bool may_stop) {
     if (!shutter_ || shutter_->sample == sample) return true;
     shutter_->sample = sample;
     const double share = sampling::shutter_share(static_cast<uint32_t>(sample), options_.seed);
@@ -164,7 +164,7 @@ bool JobBase::stand_at(uint64_t sample) {
     if (changes_picture(changes) && std::ranges::count(options_.aovs, "motion") != 0)
         throw Error(ErrorCode::Usage, "what moves while the shutter is open has no one place in the picture", "--aov motion", "leave out --shutter or this layer");
     scene_gpu_->sync(loaded_.scene, changes);
-    return bring_in_scene(false);
+    return bring_in_scene(false, may_stop);
 }
 
 Slicer JobBase::make_slicer(IndexRange samples) const {

@@ -34,12 +34,12 @@ protected:
     void set_up();
     void check_way(bool pipeline) const;
     // Runs frames until the scene is on the device as it was at the last sync, but for the last of them. False: interrupted.
-    bool bring_in_scene(bool shown);
+    bool bring_in_scene(bool shown, bool may_stop = true);
 
     // The shutter of the coming samples opens at this time, where the scene stands now. In a scene that can move every sample is then one of its own moment.
     void open_shutter(double opens);
-    // Takes the scene there, before a slice that begins with this sample. False: interrupted. Throws Error for what has no meaning where it moves.
-    bool stand_at(uint64_t sample);
+    // Takes the scene there, before a slice that begins with this sample. False: interrupted, if it may stop there. Throws Error for what has no meaning where it moves.
+    bool stand_at(uint64_t sample, bool may_stop = true);
 
     // For so many samples of the path tracer that the options name.
     Slicer make_slicer(IndexRange samples) const;

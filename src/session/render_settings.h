@@ -127,7 +127,7 @@ void visit(V&& v, RenderSettings& s) {
     v.field("realtime.cache", s.realtime_cache, choices({"off", "on"}), "paths end in the world cache, or go to their full depth (--max-bounces)");
     v.field("realtime.tiles", s.realtime_tiles, choices({"off", "on"}), "the first surface's light is chosen among candidates out of light tiles, or sampled as by the reference");
     v.field("realtime.candidates", s.realtime_candidates, range(1, 64), "light samples that the first surface's one is chosen from");
-    v.field("realtime.later_candidates", s.realtime_later_candidates, range(0, 64), "light samples that one at later vertices is chosen from where there are at least 16 lights for each of them; 0, or fewer lights: one of all lights");
+    v.field("realtime.later_candidates", s.realtime_later_candidates, range(0, 64), "light samples that one at later vertices is chosen from where there are at least 64 lights; 0, or fewer lights: one of all lights");
     v.field("realtime.path_bounces", s.realtime_path_bounces, range(1, 64), "reflections after which a path ends in the cache whatever it meets, but for glass");
     v.field("realtime.slots", s.realtime_slots, range(0, 1 << 24), "paths at a time, in bands of whole rows; 0: as suits the device. Pictures do not depend on it");
     visit_cache(v, s.cache);

@@ -18,7 +18,6 @@ std::span<const SettingPreset> setting_presets() {
         {"standard", "all settings as they are without --set", {}},
         {"fast", "fewer candidates and bounces, shorter filters", {"realtime.candidates=4", "realtime.path_bounces=2", "reconstruction.steps=3"}},
         {"reservoirs", "samples shared between pixels and frames", {"realtime.reuse=full"}},
-        {"many lights", "reservoirs, out of more candidates", {"realtime.reuse=full", "realtime.candidates=16", "realtime.neighbours=2"}},
         {"unbiased", "realtime frames whose mean is the reference's", {"realtime.cache=off", "realtime.reuse=unbiased"}},
     };
     return presets;

@@ -1,5 +1,6 @@
 // Jobs that play frames: what stands where in each, which files they write, and what is left when they stop early. In process; the
 // program's own part is in cli_frames_test.cpp.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -91,6 +92,23 @@ TEST_F(FramesJob, a_part_of_a_sequence_is_the_very_files_of_the_whole) {
     EXPECT_EQ(moves("0000"), 0);
     EXPECT_GT(moves("0001"), 5);
     EXPECT_GT(moves("0003"), 5);
+}
+
+// Lights that were added and taken away before leave no trace in what random numbers mean.
+TEST_F(FramesJob, a_frame_alone_is_that_of_the_sequence_whatever_has_come_and_gone) {
+    for (const auto& [scene, animate] : {std::pair("builtin:cornell", "sparks"), std::pair("builtin:many-lights", "guests")}) {
+        for (const double shutter : {0.0, 0.1}) {
+            RenderOptions job = options(scene, animate, {.frames = {6, 16}, .fps = 5});
+            job.shutter_seconds = shutter;
+            job.output.files = {folder.file("a.####.exr")};
+            run(job);
+            job.play->frames = {15, 16};
+            job.output.files = {folder.file("alone.####.exr")};
+            run(job);
+            const image::ImageF whole = image::read_linear(folder.file("a.0015.exr")), alone = image::read_linear(folder.file("alone.0015.exr"));
+            for (size_t c = 0; c < whole.channels.size(); ++c) EXPECT_TRUE(std::ranges::equal(whole.plane(c), alone.plane(c))) << animate << ", shutter " << shutter << ", " << whole.channels[c];
+        }
+    }
 }
 
 TEST_F(FramesJob, every_frame_shows_the_scene_and_the_camera_of_its_time) {

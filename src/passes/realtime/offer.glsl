@@ -38,7 +38,7 @@ void offer(Reservoirs reservoirs, uint at, PackedSample point, float weight, flo
     if (!(weight > 0.0)) return;
     const float sum = reservoirs.v[at].weight + weight, share = weight / sum;
     const uint bits = reservoirs.v[at].point.bits;
-    const float u = (float((bits & kOfferNumberMask) >> kOfferNumberBits) + behind) / 256.0;
+    const float u = min((float((bits & kOfferNumberMask) >> kOfferNumberBits) + behind) / 256.0, 0.9999999);  // never rounded up to 1
     const bool takes = u < share;
     const uint left = min(uint((takes ? u / share : (u - share) / (1.0 - share)) * 256.0), 255u) << kOfferNumberBits;
     reservoirs.v[at].weight = sum;

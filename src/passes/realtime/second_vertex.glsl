@@ -22,7 +22,7 @@ LightSums take_shared(inout vec3 light, inout PathClass path_class, LightReuse s
     // Exactly 1 where nothing else is.
     path_class.diffuse_share = mix(clamp(diffuse_left / max(left, vec3(1e-30)), vec3(0.0), vec3(1.0)), vec3(1.0), equal(path_class.diffuse_share, vec3(1.0)));
     light = max(left, vec3(0.0));
-    return LightSums(diffuse, max(taken - diffuse, vec3(0.0)));
+    return LightSums(diffuse, (second.bits & kReuseRough) != 0u ? max(taken - diffuse, vec3(0.0)) : vec3(0.0));
 }
 
 // The point that the path's second vertex is, with light of some kind.

@@ -52,7 +52,8 @@ void note_event(PathState path, Shading shading, NextEvent event) {
     if (push.round == 1u && is_second()) {
         asked = sample_at_second(second, kSampleReconnection, event.ray.direction_ws, max_component(path.throughput) / arrived * event.light);
         asked_density = second.density;
-        asked_share = total(shared_value(event.value, is_rough(shading.s))) / max(total(event.value), vec3(1e-30));
+        const vec3 shares = total(shared_value(event.value, is_rough(shading.s))), all = total(event.value);
+        asked_share = mix(shares / max(all, vec3(1e-30)), vec3(1.0), equal(shares, all));  // exactly 1 where nothing else is
     } else if (is_second()) {
         asked = sample_at_second(second, kSampleReconnection, unpack_direction(second.direction), total(event.value));
         asked_density = second.density;
