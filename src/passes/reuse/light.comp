@@ -54,11 +54,12 @@ bool read_partner(ViewData view, uvec2 id, uint pixel, uint index, out Partner p
 
 // Of a pixel's partners' samples one. Both pixels of a pair decide by one number, `u`: what is due to both is kept by one of them, and none is kept twice
 // while the other one gets lost. (Each by itself they would add noise to means over pixels, which reconstruction makes.) False: it has no partner.
-bool ask_partners(ViewData view, uvec2 id, uint pixel, Reservoir own, out Offered offered, out float u, out float around) {
+bool ask_partners(ViewData view, uvec2 id, uint pixel, Reservoir own, out Offered offered, out float u) {
     const uint kPartnerSalt = 0x5441u, pixels = view.width * view.height;
     Partner partner;
+    float around = 0.0;
     offered = kNothingOffered;
-    u = around = 0.0;
+    u = 0.0;
     for (uint i = 0u; i < push.frame.neighbours; ++i)
         if (read_partner(view, id, pixel, i, partner)) around += float(packed_confidence(push.reservoirs.v[reservoir_at(pixels, push.frame.set, partner.pixel)].point));
     if (around <= 0.0) return false;
@@ -74,34 +75,19 @@ bool ask_partners(ViewData view, uvec2 id, uint pixel, Reservoir own, out Offere
     return true;
 }
 
-// What lights a pixel: `left` of what its path was offered, if signals hold that, and one sample or two.
-struct Lit {
-    float left;
-    Reservoir extra, one;  // `extra` is the pixel's own sample, seen by a ray of this frame
-};
-
-// A pixel's reservoir beside those of its partners. Where signals hold what its path was offered, and the sample is out of that, the pixel keeps its share of all of
-// it and takes a partner's sample besides: so its own light has no noise of a choice, and needs neither its surface's lobes nor a ray. The share is the sample's,
-// which is about the same for all that was offered. Where it is much more, since partners do not see the sample, all keep what is left beside partners who see all, and
-// what the sample has more is its own: else a lamp that is hidden from the partner would give of its share to lamps of other colours that are not.
-Lit take_from_partners(ViewData view, uvec2 id, uint pixel) {
-    const float kMuchMore = 0.1;
+// What becomes of a pixel's reservoir beside those of its partners. Where signals hold what its path was offered, and the sample is out of that, `left` of it stays
+// and the reservoir is of the partners alone: so the pixel's own light has no noise of a choice, and needs neither its surface's lobes nor a ray.
+Reservoir take_from_partners(ViewData view, uvec2 id, uint pixel, out float left) {
     Reservoir own = unpack_reservoir(push.reservoirs.v[reservoir_at(view.width * view.height, push.frame.set, pixel)]);
     Offered offered;
-    float u, around;
-    const bool has_partner = ask_partners(view, id, pixel, own, offered, u, around);
-    Lit lit = Lit(0.0, kEmptyReservoir, own);
+    float u;
+    const bool has_partner = ask_partners(view, id, pixel, own, offered, u);
+    left = 0.0;
     if (push.frame.keeps_offered != 0u && own.point.kind != kSampleNone && (own.point.flags & kSampleSeen) != 0u) {
-        const float share = has_partner && own.target > 0.0 ? offered.own_share : 1.0, usual = has_partner ? float(own.confidence) / (float(own.confidence) + around) : 1.0;
-        lit.left = share;
-        if (share > usual + kMuchMore && (scene.header.features & kScenePanes) == 0u) {
-            lit.left = usual;
-            lit.extra = own;
-            lit.extra.weight *= share - usual;
-        }
-        lit.one = Reservoir(offered.point, own.confidence, offered.target > 0.0 ? offered.sum / offered.target : 0.0, offered.target);
-    } else if (has_partner) take_offered(lit.one, offered, u);
-    return lit;
+        left = has_partner && own.target > 0.0 ? offered.own_share : 1.0;
+        own = Reservoir(offered.point, own.confidence, offered.target > 0.0 ? offered.sum / offered.target : 0.0, offered.target);
+    } else if (has_partner) take_offered(own, offered, u);
+    return own;
 }
 
 void add_class(ViewData view, uint pixel, bool indirect, BsdfValue light) {
@@ -137,23 +123,6 @@ void add_seen(ViewData view, uint slot, uint pixel, bool indirect, BsdfValue lig
     add_class(view, pixel, indirect, light);
 }
 
-// By one sample, whole. True: the light waits for its shadow ray.
-bool light_by(ViewData view, uint slot, uint pixel, PathKey key, Receiver here, Reservoir r) {
-    const Shifted brought = shift(view, r.point, here, kNow, sample_ray_key(key, r.point.kind));
-    if (target_of(brought) <= 0.0) return false;
-    const BsdfValue light = scale(brought.value, vec3(r.weight));
-    const bool indirect = is_indirect(r.point.kind);
-    if ((r.point.flags & kSampleSeen) != 0u && (scene.header.features & kScenePanes) == 0u) {
-        add_seen(view, slot, pixel, indirect, light);
-        return false;
-    }
-    push.shadow_rays.v[slot] = WavefrontShadowRay(brought.ray.origin_ws, brought.ray.t_max, brought.ray.direction_ws, brought.ray.alpha_key);
-    push.pending.v[slot] = LightPending(light.diffuse, pixel, light.specular, (indirect ? kLightIndirect : kLightDirect) | (brought.passes ? 0u : kLightStopsAtPanes));
-    return true;
-}
-
-bool lights(Reservoir r) { return r.point.kind != kSampleNone && r.weight > 0.0; }
-
 // True: the pixel's light waits for its shadow ray.
 bool light_pixel(uint slot) {
     const ViewData view = push.view.data;
@@ -161,19 +130,24 @@ bool light_pixel(uint slot) {
     const uint pixel = id.y * view.width + id.x;
     if (push.frame.set == 0u) push.sums.v[slot] = LightSums(vec3(0.0), vec3(0.0));
     const uvec4 which = imageLoad(identity, ivec2(id));
-    Lit lit = Lit(0.0, kEmptyReservoir, kEmptyReservoir);
-    if (which.x != kHitMiss) lit = take_from_partners(view, id, pixel);
-    if (push.frame.keeps_offered != 0u) settle_offered(view, id, pixel, lit.left);
-    if (!lights(lit.one) && !lights(lit.extra)) return false;
+    float left = 0.0;
+    Reservoir own = kEmptyReservoir;
+    if (which.x != kHitMiss) own = take_from_partners(view, id, pixel, left);
+    if (push.frame.keeps_offered != 0u) settle_offered(view, id, pixel, left);
+    if (own.point.kind == kSampleNone || own.weight <= 0.0) return false;
     const PathKey key = PathKey(id, push.frame.frame_index, view.seed);
     const Receiver here = receiver_at(view, key, which, bsdf_share(push.frame.candidates), kNow);
-    bool waits = false;
-    for (uint i = 0u; i < 2u; ++i) {  // a loop, so that what is long is compiled once
-        Reservoir r = lit.one;
-        if (i == 0u) r = lit.extra;
-        if (lights(r)) waits = light_by(view, slot, pixel, key, here, r);
+    const Shifted brought = shift(view, own.point, here, kNow, sample_ray_key(key, own.point.kind));
+    if (target_of(brought) <= 0.0) return false;
+    const BsdfValue light = scale(brought.value, vec3(own.weight));
+    const bool indirect = is_indirect(own.point.kind);
+    if ((own.point.flags & kSampleSeen) != 0u && (scene.header.features & kScenePanes) == 0u) {
+        add_seen(view, slot, pixel, indirect, light);
+        return false;
     }
-    return waits;
+    push.shadow_rays.v[slot] = WavefrontShadowRay(brought.ray.origin_ws, brought.ray.t_max, brought.ray.direction_ws, brought.ray.alpha_key);
+    push.pending.v[slot] = LightPending(light.diffuse, pixel, light.specular, (indirect ? kLightIndirect : kLightDirect) | (brought.passes ? 0u : kLightStopsAtPanes));
+    return true;
 }
 
 // Of the exchange, which tells of its rays and does not count them: here as many as run at once ask the counter once.
