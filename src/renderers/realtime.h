@@ -40,7 +40,7 @@ struct RealtimeOptions {
     GBufferMode gbuffer = GBufferMode::Auto;  // Raster needs SceneGpuOptions::raster, and a camera without a lens
     bool auto_draws = false;  // Auto is Raster while the camera has neither lens nor shutter, else Trace; false: Trace always
     uint32_t candidates = 8;  // light samples that the first surface's one is chosen from
-    uint32_t later_candidates = 4;  // and that later vertices' are, where there are many lights; 0: one of all lights
+    uint32_t later_candidates = 4;  // and that later vertices' are, where there are at least 64 lights; 0: one of all lights
     bool tiles = true;        // they come from light tiles; false: the light is sampled as by the reference
     bool cache = true;           // paths end in the world cache; false: they go to the view's depth
     uint32_t path_bounces = 3;   // reflections after which a path ends in the cache whatever it meets, but for glass
