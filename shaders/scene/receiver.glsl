@@ -24,6 +24,13 @@ bool is_rough(Surface s) {
 // Of light that a lobe narrower than that cannot be trusted with: what is left.
 BsdfValue shared_value(BsdfValue value, bool rough) { return BsdfValue(value.diffuse, rough ? value.specular : vec3(0.0), vec3(0.0)); }
 
+// Points of triangles are told in steps of 2^-16 of their edges. From so near that few steps lie between, others would see them elsewhere than the path that found
+// them did, and their geometry terms with that: nobody shares a point from there.
+bool is_too_near(float squared_distance, float extent) {
+    const float kLeast = 64.0 / 65536.0;
+    return squared_distance <= kLeast * kLeast * extent * extent;
+}
+
 // Of a light sample that was chosen from so many candidates; 0: from none.
 float bsdf_share(uint candidates) { return candidates == 0u ? 1.0 : 1.0 / float(candidates); }
 

@@ -32,8 +32,8 @@ LightSample light_of(LightSampleRef y, vec3 x_ws, out float density) {
     return light;
 }
 
-// A point's place and the normal of its triangle, twice its area long.
-void find_point(LightSampleRef y, uint moment, out vec3 position_ws, out vec3 normal) {
+// The way to a point, and the normal of its triangle, twice its area long. False: it is too near.
+bool find_point(LightSampleRef y, vec3 from_ws, uint moment, out vec3 way, out vec3 normal) {
     const Instance instance = scene_instance(y.reference);
     const Geometry geometry = scene_geometry((moment == kBefore ? geometry_base_before(y.reference) : instance.geometry_base) + y.geometry);
     const uvec3 index = IndexArray(geometry.indices).v[y.number];
@@ -45,8 +45,10 @@ void find_point(LightSampleRef y, uint moment, out vec3 position_ws, out vec3 no
     const vec3 p1 = transform_point_precise(placement, positions.v[index.y], vec3(0.0), ignored);
     const vec3 p2 = transform_point_precise(placement, positions.v[index.z], vec3(0.0), ignored);
     const vec2 b = unpack_barycentrics(y.place);
-    position_ws = interpolate(vec3(1.0 - b.x - b.y, b), p0, p1, p2);
-    normal = cross(p1 - p0, p2 - p0);
+    way = interpolate(vec3(1.0 - b.x - b.y, b), p0, p1, p2) - from_ws;
+    const vec3 e1 = p1 - p0, e2 = p2 - p0;
+    normal = cross(e1, e2);
+    return !is_too_near(dot(way, way), sqrt(max(dot(e1, e1), dot(e2, e2))));
 }
 
 // Radiance that leaves a point towards where the path's ray came from.
@@ -103,12 +105,10 @@ Shifted shift(ViewData view, LightSampleRef y, Receiver to, uint moment, uint al
         if (light.pdf <= 0.0 || density <= 0.0) return result;
         wi_ws = light.wi;
     } else if (y.kind != kSampleOutside) {
-        vec3 position_ws, normal;
-        find_point(y, moment, position_ws, normal);
-        const vec3 to_point = position_ws - to.shading.s.position_ws;
-        squared_distance = dot(to_point, to_point);
-        if (squared_distance <= 0.0) return result;
-        wi_ws = to_point * inversesqrt(squared_distance);
+        vec3 way, normal;
+        if (!find_point(y, to.shading.s.position_ws, moment, way, normal)) return result;
+        squared_distance = dot(way, way);
+        wi_ws = way * inversesqrt(squared_distance);
     }
     const vec3 wi = wi_ws * to.shading.frame;
     if (!sides_agree(to.shading, wi, wi_ws)) return result;

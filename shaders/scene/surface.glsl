@@ -24,6 +24,7 @@ struct Surface {
     uint instance, geometry, primitive, material;  // geometry: of the mesh
     bool integer_offset;  // rays leave it by offset_origin_integer()
     float double_area_ws; // twice the triangle's area, square metres
+    float extent_ws;      // the longer of its edges at the first corner, metres
 };
 
 vec3 interpolate(vec3 weights, vec3 a, vec3 b, vec3 c) {
@@ -136,6 +137,7 @@ Surface fetch_surface_at(Hit hit, Ray ray, RayCone cone, uint moment) {
     precise const vec3 e1_ws = p1 - p0, e2_ws = p2 - p0;
     precise const vec3 normal = precise_cross(e1_ws, e2_ws) * winding;
     s.double_area_ws = sqrt(precise_dot(normal, normal));
+    s.extent_ws = sqrt(max(precise_dot(e1_ws, e1_ws), precise_dot(e2_ws, e2_ws)));
     s.n_geometric_ws = s.double_area_ws > 0.0 ? normal / s.double_area_ws : -ray.direction_ws;
     s.front_facing = precise_dot(s.n_geometric_ws, ray.direction_ws) < 0.0;
     // What is opaque is left on the side from where it is seen.

@@ -27,7 +27,8 @@ struct VertexResult {
     bool goes_on;     // the path has a next ray
     float t;          // metres to what the path's ray met
     vec2 barycentrics;  // of that,
-    float facing;     // and the cosine of the ray to its plane
+    float facing;     // the cosine of the ray to its plane,
+    float extent;     // and how long its triangle is (Surface)
 };
 
 // MIS weight of light reached by the last BSDF sample, which light sampling would have found with light_pdf.
@@ -70,6 +71,7 @@ VertexResult end_in_sky(ViewData view, PathState path, inout FirstHit first) {
     result.t = kInfinity;
     result.barycentrics = vec2(0.0);
     result.facing = 1.0;
+    result.extent = 0.0;
     result.arriving = path.throughput * (arriving_environment(path, view.light_sampling) + arriving_suns(path, view.light_sampling));
     if (kLayers) result.arriving *= medium_transmittance(medium_there(path.media), kInfinity);
     if (path.path_class.bounce == 0u && !path.path_class.transmitted) first.emission = result.arriving;
@@ -257,6 +259,7 @@ VertexResult shade_vertex(ViewData view, PathKey key, Hit hit, inout PathState p
     result.t = s.t;
     result.barycentrics = s.barycentrics;
     result.facing = abs(dot(s.n_geometric_ws, path.ray.direction_ws));
+    result.extent = s.extent_ws;
     if (kLayers) path.throughput *= medium_transmittance(medium_there(path.media), s.t);
     const uint bounce = path.path_class.bounce;
     result.arriving = path.throughput * arriving_emission(path, s, view.light_sampling);

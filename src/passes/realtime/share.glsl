@@ -37,7 +37,7 @@ float area_density(float pdf, float t, float facing) {
 // The surface is what the path left the first one for.
 void note_second(PathState path, Shading shading) {
     const Surface s = shading.s;
-    if (push.round != 1u || (second.bits & kReuseFirst) == 0u || !may_share(s) || !is_packable(s.geometry)) return;
+    if (push.round != 1u || (second.bits & kReuseFirst) == 0u || !may_share(s) || !is_packable(s.geometry) || is_too_near(s.t * s.t, s.extent_ws)) return;
     second.instance = s.instance;
     second.number = s.primitive;
     second.place = pack_place(s.barycentrics);
@@ -122,7 +122,7 @@ void share_arriving(ViewData view, PathKey key, uint slot, WavefrontHit met, vec
     vertex.arriving *= prefix;
     if (light == vec3(0.0)) return;
     const bool behind = path_class.bounce >= 2u && is_second(), sky = met.instance_bits == kHitMiss;
-    const bool there = !behind && push.round == 1u && (second.bits & kReuseFirst) != 0u && (sky || is_packable(met.geometry));
+    const bool there = !behind && push.round == 1u && (second.bits & kReuseFirst) != 0u && (sky || (is_packable(met.geometry) && !is_too_near(vertex.t * vertex.t, vertex.extent)));
     if (!behind && !there) return;
     Offer o;
     o.brings = take_shared(vertex.arriving, path_class, second, behind ? second.share : vec3(1.0));

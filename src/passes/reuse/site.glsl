@@ -68,12 +68,11 @@ Brought about_brought(LightSampleRef y, Site site, uint moment) {
         brought.target = about_scattered(site, y.direction, glossy) * luminance(y.radiance) * shone(y, moment);
         return brought;
     }
-    vec3 position_ws, normal;
-    find_point(y, moment, position_ws, normal);
-    const vec3 to_point = position_ws - site.position_ws;
-    const float kLeastFacing = 1e-3, squared = max(dot(to_point, to_point), 1e-12);
+    vec3 way, normal;
+    if (!find_point(y, site.position_ws, moment, way, normal)) return brought;
+    const float kLeastFacing = 1e-3, squared = dot(way, way);
     brought.t = sqrt(squared);
-    brought.wi_ws = to_point / brought.t;
+    brought.wi_ws = way / brought.t;
     const vec3 n = normal / max(length(normal), 1e-30);
     float leaving = luminance(y.radiance) * shone(y, moment);
     if (y.kind == kSampleReconnection) leaving *= max(abs(dot(n, y.direction)), 0.05) / kPi;
