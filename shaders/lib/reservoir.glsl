@@ -24,6 +24,7 @@ const Reservoir kEmptyReservoir = Reservoir(kNoSampleRef, 0u, 0.0, 0.0);
 
 bool is_direction(uint kind) { return kind == kSampleSky || kind == kSampleOutside; }
 bool is_indirect(uint kind) { return kind == kSampleReconnection || kind == kSampleRadiosity; }
+bool is_point(uint kind) { return kind == kSampleEmitter || is_indirect(kind); }  // of a triangle
 
 PackedSample pack_sample(LightSampleRef s, uint confidence) {
     PackedSample p;
@@ -125,12 +126,15 @@ bool offer_reservoir(inout Offered offered, Reservoir own, Reservoir other, floa
     }
     return keeps;
 }
-void take_offered(inout Reservoir own, Offered offered, float u) {
+// Says whether it is kept.
+bool take_offered(inout Reservoir own, Offered offered, float u) {
     const float sum = offered.own_share * own.target * own.weight + offered.sum;
-    if (offered.sum > 0.0 && u * sum < offered.sum) {
+    const bool takes = offered.sum > 0.0 && u * sum < offered.sum;
+    if (takes) {
         own.point = offered.point;
         own.target = offered.target;
     }
     own.weight = own.target > 0.0 ? sum / own.target : 0.0;
+    return takes;
 }
 #endif

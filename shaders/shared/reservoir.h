@@ -41,6 +41,12 @@ struct PackedReservoir {
     float target;  // luminance of the contribution in the measure of its kind, where and when it was kept
 };
 
+// The sample by which a slot's pixel is to be lit: the reservoir that has it, a row of all sets' and pixels', and its W there. 8 bytes.
+struct ChosenSample {
+    uint reservoir;
+    float weight;
+};
+
 // What a path of the frame keeps of its second vertex, for reservoirs: 48 bytes a slot.
 struct LightReuse {
     vec3 prefix;       // throughput until the second vertex and its scattering there, without the density of that: LightPath has the rest

@@ -175,7 +175,9 @@ void Realtime::trace_paths(Frame& frame, const SceneGpu& scene, gpu::TraceWay wa
 void Realtime::light_band(passes::LightPass pass, passes::ReusePass reuse) const {
     passes::begin_band(pass);
     for (reuse.settings.set = 0; reuse.settings.set < reservoir_sets(options_); ++reuse.settings.set) {
-        passes::prepare_wavefront(pass.tracing(), shared::kEmptyShadows);
+        passes::prepare_wavefront(pass.tracing(), shared::kEmptyShadows | shared::kEmptyClasses);
+        passes::choose_samples(reuse, paths_);
+        passes::prepare_wavefront(pass.tracing(), shared::kSizeOfClasses);
         passes::light_pixels(reuse, paths_);
         passes::prepare_wavefront(pass.tracing(), shared::kSizeOfShadows | shared::kCountShadows);
         passes::connect_paths(pass);

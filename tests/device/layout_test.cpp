@@ -74,7 +74,7 @@ TEST_F(Layout, structs_have_the_same_size_on_both_sides) {
         {"WavefrontShadowRay", sizeof(shared::WavefrontShadowRay)}, {"WavefrontSplit", sizeof(shared::WavefrontSplit)}, {"WavefrontClassSums", sizeof(shared::WavefrontClassSums)}, {"WavefrontControl", sizeof(shared::WavefrontControl)}, {"WavefrontSize", sizeof(shared::WavefrontSize)},
         {"WavefrontFirst", sizeof(shared::WavefrontFirst)}, {"TileSample", sizeof(shared::TileSample)}, {"PackedLight", sizeof(shared::PackedLight)}, {"RealtimeFrame", sizeof(shared::RealtimeFrame)},
         {"LightPath", sizeof(shared::LightPath)}, {"LightPathInside", sizeof(shared::LightPathInside)}, {"LightPending", sizeof(shared::LightPending)}, {"LightSums", sizeof(shared::LightSums)},
-        {"PackedSample", sizeof(shared::PackedSample)}, {"PackedReservoir", sizeof(shared::PackedReservoir)}, {"LightReuse", sizeof(shared::LightReuse)},
+        {"PackedSample", sizeof(shared::PackedSample)}, {"PackedReservoir", sizeof(shared::PackedReservoir)}, {"ChosenSample", sizeof(shared::ChosenSample)}, {"LightReuse", sizeof(shared::LightReuse)},
         {"ReuseFrame", sizeof(shared::ReuseFrame)},
         {"CacheHeader", sizeof(shared::CacheHeader)}, {"CacheFrameData", sizeof(shared::CacheFrameData)}, {"CacheSize", sizeof(shared::CacheSize)}, {"CacheUpdate", sizeof(shared::CacheUpdate)}, {"CachePath", sizeof(shared::CachePath)}};
     size_t seen = 0;

@@ -66,6 +66,10 @@ struct Played {
         realtime.record(on.stage->frame, on.stage->scene_gpu, on.way, view, true);
         on.stage->frame.run();
     }
+    double rays_per_pixel(TruthStage& on) const {
+        const RayCounts rays = view.read_rays(on.stage->frame);
+        return static_cast<double>(rays.path + rays.shadow) / (static_cast<double>(view.film().width) * view.film().height);
+    }
     image::ImageF picture(TruthStage& on) {
         return image::resolve_film(make_film_sums(view.read_film(on.stage->frame), {view.film().width, view.film().height}, {0, 1}, {}));
     }
@@ -120,7 +124,9 @@ void play(TruthStage& on, const SequenceScript& script, uint32_t size, std::vect
         for (size_t k = 0; k < runs.size(); ++k) {
             if (runs[k].cut_at == frame) played[k]->realtime.cut();
             played[k]->record(on, camera);
-            if (looks_now) runs[k].picture = played[k]->picture(on);
+            if (!looks_now) continue;
+            runs[k].rays_per_pixel = played[k]->rays_per_pixel(on);
+            runs[k].picture = played[k]->picture(on);
         }
         if (!looks_now) continue;
         keep_pictures(name, shown.reference, runs);

@@ -29,6 +29,7 @@ struct SequenceRun {
     std::optional<uint32_t> cut_at = {};  // before this frame it forgets what its reconstruction has kept
     uint32_t seed = 1;
     image::ImageF picture = {};
+    double rays_per_pixel = 0;  // of that frame, without the first one of each path
 };
 
 struct SequenceFrame {

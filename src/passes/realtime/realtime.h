@@ -44,7 +44,7 @@ struct LightPass {
     shared::Slice band;        // one sample, of the frame's index, of as many pixels as there are slots at most
     uint32_t round = 0;        // rays that each path has traced
     bool adds = false;         // gather_paths adds to what the signals are already
-    bool keeps_offered = false;  // and the first time it keeps beside each what the path was offered, for light_pixels (realtime/offered.glsl)
+    bool keeps_offered = false;  // and the first time it keeps beside each what the path was offered, for choose_samples (realtime/offered.glsl)
 
     WavefrontPass tracing() const;  // for prepare_wavefront and extend
 };

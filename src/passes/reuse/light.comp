@@ -1,148 +1,57 @@
 #version 460
-// Spatial reuse, second half: a pixel's reservoir and its partners' become one. Lights a band's pixels by the samples kept: a shadow ray for each, but
-// for those that a ray of this frame has seen.
-// Reads: scene, view, identity, summary, reservoirs, told. Reads and writes: control and shadow_list (of shadow rays), sums, pending, block (path classes,
-// debug layers), rays (of the film: the exchange's), diffuse and specular, if they hold what paths were offered. Writes: shadow_rays.
-// variants: LAYERS
+// Lights a band's pixels by the samples that reuse/choose kept: a shadow ray for each, but for those that a ray of this frame has seen. Scenes of layered materials have
+// two kernels: PLAIN+LAYERS where neither the surface nor the point that lights it has any.
+// Reads: scene, view, identity, lists (a kernel's), reservoirs, chosen. Reads and writes: control and shadow_list (of shadow rays), sums, pending, block (path classes).
+// Writes: shadow_rays.
+// variants: LAYERS PLAIN+LAYERS
 #extension GL_GOOGLE_include_directive : require
-#include "realtime/demodulate.glsl"
-#include "realtime/offered.glsl"
+#ifdef PLAIN
+#define ABSENT_MATERIAL_FLAGS (kMaterialTransmits | kMaterialThin | kMaterialCoated | kMaterialSheen)
+#endif
 #include "realtime/paths.glsl"
-#include "reuse/partner.glsl"
 #include "scene/shift.glsl"
 #include "wavefront/linear.glsl"
 #include "wavefront/lists.glsl"
 
 layout(set = 1, binding = 0, rgba32ui) uniform readonly uimage2D identity;
-layout(set = 1, binding = 1, rgba32ui) uniform readonly uimage2D summary;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Reservoirs { PackedReservoir v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Told { uint v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Chosen { ChosenSample v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer ShadowList { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer ShadowRays { WavefrontShadowRay v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer RayCounts { uint v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Light { PackedLight v[]; };
 layout(push_constant, scalar) uniform Push {
     ViewBlock view;
     Control control;
+    Lists lists;
     Reservoirs reservoirs;
-    Told told;
+    Chosen chosen;
     Sums sums;
     Pending pending;
     ShadowRays shadow_rays;
     ShadowList shadow_list;
     FilmBlock block;
-    RayCounts rays;
-    Light diffuse, specular;
     ReuseFrame frame;
-    float exposure;
+    uint list;
 } push;
-
-struct Partner {
-    uint pixel;
-    float here, there;       // what its sample brings to the pixel, and the pixel's own to it
-};
-
-// False: there is none, or, where the two did not agree about it by rounding, none that both know of.
-bool read_partner(ViewData view, uvec2 id, uint pixel, uint index, out Partner partner) {
-    const uint pixels = view.width * view.height, told = told_of(push.told.v[told_at(pixels, push.frame, index, pixel)], index);
-    if (told == kNoPartner) return false;
-    const ivec2 at = partner_of(view, push.frame, id, index, told_turn(told));
-    const uint other = uint(at.y) * view.width + uint(at.x), told_other = told_of(push.told.v[told_at(pixels, push.frame, index, other)], index);
-    partner = Partner(other, told_target(told), told_target(told_other));
-    return told_other != kNoPartner && told_turn(told_other) == told_turn(told);
-}
-
-// Of a pixel's partners' samples one. Both pixels of a pair decide by one number, `u`: what is due to both is kept by one of them, and none is kept twice
-// while the other one gets lost. (Each by itself they would add noise to means over pixels, which reconstruction makes.) False: it has no partner.
-bool ask_partners(ViewData view, uvec2 id, uint pixel, Reservoir own, out Offered offered, out float u) {
-    const uint kPartnerSalt = 0x5441u, pixels = view.width * view.height;
-    Partner partner;
-    float around = 0.0;
-    offered = kNothingOffered;
-    u = 0.0;
-    for (uint i = 0u; i < push.frame.neighbours; ++i)
-        if (read_partner(view, id, pixel, i, partner)) around += float(packed_confidence(push.reservoirs.v[reservoir_at(pixels, push.frame.set, partner.pixel)].point));
-    if (around <= 0.0) return false;
-    own.target = as_told(own.target);
-    for (uint i = 0u; i < push.frame.neighbours; ++i) {
-        if (!read_partner(view, id, pixel, i, partner)) continue;
-        Reservoir other = unpack_reservoir(push.reservoirs.v[reservoir_at(pixels, push.frame.set, partner.pixel)]);
-        other.point.flags |= kSampleSeen;  // or it brings nothing
-        other.target = as_told(other.target);
-        const uvec4 random = pcg4d(uvec4(min(pixel, partner.pixel), push.frame.frame_index, view.seed ^ kPartnerSalt, 2u * i + push.frame.set));
-        if (offer_reservoir(offered, own, other, around, partner.here, partner.there, uint_to_unit_float(pixel < partner.pixel ? random.y : random.z))) u = uint_to_unit_float(random.x);
-    }
-    return true;
-}
-
-// What becomes of a pixel's reservoir beside those of its partners. Where signals hold what its path was offered, and the sample is out of that, `left` of it stays
-// and the reservoir is of the partners alone: so the pixel's own light has no noise of a choice, and needs neither its surface's lobes nor a ray.
-Reservoir take_from_partners(ViewData view, uvec2 id, uint pixel, out float left) {
-    Reservoir own = unpack_reservoir(push.reservoirs.v[reservoir_at(view.width * view.height, push.frame.set, pixel)]);
-    Offered offered;
-    float u;
-    const bool has_partner = ask_partners(view, id, pixel, own, offered, u);
-    left = 0.0;
-    if (push.frame.keeps_offered != 0u && own.point.kind != kSampleNone && (own.point.flags & kSampleSeen) != 0u) {
-        left = has_partner && own.target > 0.0 ? offered.own_share : 1.0;
-        own = Reservoir(offered.point, own.confidence, offered.target > 0.0 ? offered.sum / offered.target : 0.0, offered.target);
-    } else if (has_partner) take_offered(own, offered, u);
-    return own;
-}
-
-void add_class(ViewData view, uint pixel, bool indirect, BsdfValue light) {
-    PathRadiance by_class = make_path_radiance();
-    if (indirect) {
-        by_class.indirect_diffuse = light.diffuse;
-        by_class.indirect_specular = light.specular;
-    } else add_sampled(by_class, PathClass(0u, false, vec3(0.0)), total(light), light);
-    film_add_path_classes(push.block, view, pixel, by_class);
-}
-
-bool keeps_classes(ViewData view) {
-    bool keeps = false;
-    for (uint group = kFilmPathDirectDiffuse; group <= kFilmPathIndirectSpecular; ++group) keeps = keeps || view.channel[group] != kNoChannel;
-    return keeps;
-}
-
-// What is left of what the pixel's path was offered joins its own light. In the film's layers it is as direct or indirect as the one sample that stands for it.
-void settle_offered(ViewData view, uvec2 id, uint pixel, float left) {
-    const PackedLight diffuse = push.diffuse.v[pixel], specular = push.specular.v[pixel];
-    const BsdfValue offered = BsdfValue(left * offered_light(diffuse), left * offered_light(specular), vec3(0.0));
-    push.diffuse.v[pixel] = pack_light(own_light(diffuse) + offered.diffuse);
-    push.specular.v[pixel] = pack_light(own_light(specular) + offered.specular);
-    if (left <= 0.0 || !keeps_classes(view)) return;
-    const bool indirect = is_indirect(push.reservoirs.v[reservoir_at(view.width * view.height, push.frame.set, pixel)].point.bits >> 24 & 7u);
-    const Demodulation by = demodulation(imageLoad(summary, ivec2(id)));
-    add_class(view, pixel, indirect, BsdfValue(offered.diffuse * by.diffuse / push.exposure, offered.specular * by.specular / push.exposure, vec3(0.0)));
-}
-
-// Without a ray.
-void add_seen(ViewData view, uint slot, uint pixel, bool indirect, BsdfValue light) {
-    add_light(push.sums, slot, light.diffuse, light.specular);
-    add_class(view, pixel, indirect, light);
-}
+#include "reuse/add_class.glsl"
 
 // True: the pixel's light waits for its shadow ray.
 bool light_pixel(uint slot) {
     const ViewData view = push.view.data;
     const uvec2 id = pixel_of(view, push.control.v.slice, slot);
     const uint pixel = id.y * view.width + id.x;
-    if (push.frame.set == 0u) push.sums.v[slot] = LightSums(vec3(0.0), vec3(0.0));
-    const uvec4 which = imageLoad(identity, ivec2(id));
-    float left = 0.0;
-    Reservoir own = kEmptyReservoir;
-    if (which.x != kHitMiss) own = take_from_partners(view, id, pixel, left);
-    if (push.frame.keeps_offered != 0u) settle_offered(view, id, pixel, left);
-    if (own.point.kind == kSampleNone || own.weight <= 0.0) return false;
+    const ChosenSample chosen = push.chosen.v[slot];
+    const LightSampleRef y = unpack_sample(push.reservoirs.v[chosen.reservoir].point);
     const PathKey key = PathKey(id, push.frame.frame_index, view.seed);
-    const Receiver here = receiver_at(view, key, which, bsdf_share(push.frame.candidates), kNow);
-    const Shifted brought = shift(view, own.point, here, kNow, sample_ray_key(key, own.point.kind));
+    const Receiver here = receiver_at(view, key, imageLoad(identity, ivec2(id)), bsdf_share(push.frame.candidates), kNow);
+    const Shifted brought = shift(view, y, here, kNow, sample_ray_key(key, y.kind));
     if (target_of(brought) <= 0.0) return false;
-    const BsdfValue light = scale(brought.value, vec3(own.weight));
-    const bool indirect = is_indirect(own.point.kind);
-    if ((own.point.flags & kSampleSeen) != 0u && (scene.header.features & kScenePanes) == 0u) {
-        add_seen(view, slot, pixel, indirect, light);
+    const BsdfValue light = scale(brought.value, vec3(chosen.weight));
+    const bool indirect = is_indirect(y.kind), of_partner = chosen.reservoir != reservoir_at(view.width * view.height, push.frame.set, pixel);
+    // What a partner has is kept only if the exchange's ray came through. Of lights the exact one looks through panes, without saying how much they take; the other one stops there.
+    const bool is_seen = of_partner || (y.flags & kSampleSeen) != 0u, may_lie_behind_panes = brought.passes && (scene.header.features & kScenePanes) != 0u;
+    if (is_seen && (!may_lie_behind_panes || (of_partner && push.frame.keeps_offered != 0u))) {
+        add_light(push.sums, slot, light.diffuse, light.specular);
+        add_class(view, pixel, indirect, light);
         return false;
     }
     push.shadow_rays.v[slot] = WavefrontShadowRay(brought.ray.origin_ws, brought.ray.t_max, brought.ray.direction_ws, brought.ray.alpha_key);
@@ -150,32 +59,14 @@ bool light_pixel(uint slot) {
     return true;
 }
 
-// Of the exchange, which tells of its rays and does not count them: here as many as run at once ask the counter once.
-void count_rays(uint slot, bool shown) {
-    const ViewData view = push.view.data;
-    uint of_pixel = 0u, of_all = 0u;
-    for (uint i = 0u; i < push.frame.neighbours; ++i) {
-        bool traced = false;
-        if (shown) {
-            const uvec2 id = pixel_of(view, push.control.v.slice, slot);
-            if (imageLoad(identity, ivec2(id)).x != kHitMiss) traced = told_traced(told_of(push.told.v[told_at(view.width * view.height, push.frame, i, id.y * view.width + id.x)], i));
-        }
-        of_pixel += uint(traced);
-        of_all += subgroupBallotBitCount(subgroupBallot(traced));
-    }
-    if (shown && of_pixel != 0u) {
-        const uvec2 id = pixel_of(view, push.control.v.slice, slot);
-        film_add(push.block, view, kFilmDebugRays, id.y * view.width + id.x, vec3(float(of_pixel)));
-    }
-    if (of_all == 0u || !subgroupElect()) return;
-    const uint before = atomicAdd(push.rays.v[2u * kRayShadow], of_all);
-    if (before + of_all < before) atomicAdd(push.rays.v[2u * kRayShadow + 1u], 1u);
-}
-
 void main() {
-    const uint slot = invocation_index();
-    count_rays(slot, slot < push.control.v.pixel_count);
-    const bool waits = slot < push.control.v.pixel_count && light_pixel(slot);
+    const uint i = invocation_index();
+    bool waits = false;
+    uint slot = 0u;
+    if (i < push.control.v.count[push.list]) {
+        slot = push.lists.v[list_at(push.control, push.list, i)];
+        waits = light_pixel(slot);
+    }
     const uint place = reserve(push.control, kListShadows, bin_if(waits), 1u);
     if (waits) push.shadow_list.v[place] = slot;
 }

@@ -21,13 +21,39 @@ struct TellPush {
     uint64_t view, reservoirs, told;
     shared::ReuseFrame frame;
 };
-struct LightPush {
-    uint64_t view, control, reservoirs, told, sums, pending, shadow_rays, shadow_list, block, rays, diffuse, specular;
+struct ChoosePush {
+    uint64_t view, control, lists, reservoirs, told, chosen, sums, block, rays, diffuse, specular;
     shared::ReuseFrame frame;
     float exposure;
 };
+struct LightPush {
+    uint64_t view, control, lists, reservoirs, chosen, sums, pending, shadow_rays, shadow_list, block;
+    shared::ReuseFrame frame;
+    uint32_t list;
+};
 
-const char* variant(const ReusePass& pass) { return (pass.scene.features() & shared::kSceneLayers) != 0 ? "+LAYERS" : ""; }
+bool has_layers(const ReusePass& pass) { return (pass.scene.features() & shared::kSceneLayers) != 0; }
+const char* variant(const ReusePass& pass) { return has_layers(pass) ? "+LAYERS" : ""; }
+
+// A kernel's list of pixels.
+void light_by(const ReusePass& pass, const LightPaths& paths, const char* variant, uint32_t list) {
+    const WavefrontState& machine = paths.machine;
+    pass.frame.compute("reuse/light", variant)
+        .scene(pass.scene.binding())
+        .read("view", pass.film.view)
+        .read("identity", pass.gbuffer.identity)
+        .read_write("control", machine.control)
+        .read_write("lists", machine.lists)
+        .read("reservoirs", pass.state.reservoirs)
+        .read("chosen", paths.offers)
+        .read_write("sums", paths.sums)
+        .read_write("pending", paths.pending)
+        .write("shadow_rays", machine.shadow_rays)
+        .write("shadow_list", machine.shadow_list)
+        .read_write("block", pass.film.block)
+        .push(LightPush{.frame = pass.settings, .list = list})
+        .over_indirect(machine.sizes, list * sizeof(shared::WavefrontSize));
+}
 
 }  // namespace
 
@@ -82,25 +108,29 @@ void tell_partners(const ReusePass& pass) {
     kernel.push(TellPush{.frame = pass.settings}).over(pass.gbuffer.identity.extent());
 }
 
-void light_pixels(const ReusePass& pass, const LightPaths& paths) {
-    Pass kernel = pass.frame.compute("reuse/light", variant(pass));
+void choose_samples(const ReusePass& pass, const LightPaths& paths) {
+    Pass kernel = pass.frame.compute("reuse/choose");
     kernel.scene(pass.scene.binding())
         .read("view", pass.film.view)
         .read("identity", pass.gbuffer.identity)
         .read("summary", pass.gbuffer.summary)
         .read_write("control", paths.machine.control)
+        .read_write("lists", paths.machine.lists)
         .read("reservoirs", pass.state.reservoirs)
         .read("told", pass.state.told)
+        .write("chosen", paths.offers)
         .read_write("sums", paths.sums)
-        .read_write("pending", paths.pending)
-        .write("shadow_rays", paths.machine.shadow_rays)
-        .write("shadow_list", paths.machine.shadow_list)
         .read_write("block", pass.film.block)
         .read_write("rays", pass.film.rays)
         .read_write("diffuse", pass.signals.diffuse)
         .read_write("specular", pass.signals.specular)
-        .push(LightPush{.frame = pass.settings, .exposure = pass.exposure});
+        .push(ChoosePush{.frame = pass.settings, .exposure = pass.exposure});
     kernel.over_all(paths.machine.shape.slots);
+}
+
+void light_pixels(const ReusePass& pass, const LightPaths& paths) {
+    light_by(pass, paths, has_layers(pass) ? "+PLAIN+LAYERS" : "", shared::kListClasses + shared::kShadePlain);
+    if (has_layers(pass)) light_by(pass, paths, "+LAYERS", shared::kListClasses + shared::kShadeRest);
 }
 
 }  // namespace parhelion::passes

@@ -23,7 +23,7 @@ struct ReusePass {
     gpu::TraceWay way;
     const Film& film;
     const GBuffer& gbuffer;
-    const Signals& signals;   // with what the paths were offered, if settings.keeps_offered; light_pixels adds what is left of that
+    const Signals& signals;   // with what the paths were offered, if settings.keeps_offered; choose_samples adds what is left of that
     const ReuseState& state;
     bool exact;  // samples are weighed by what they bring, and by two rays each time; else by about that
     shared::ReuseFrame settings;
@@ -32,7 +32,9 @@ struct ReusePass {
 
 void reuse_before(const ReusePass& pass);  // temporal
 void tell_partners(const ReusePass& pass);  // spatial: what pixels around must know
-// Spatial: what they make of it. Shadow rays of a band's pixels and what they bring, for connect_paths and gather_paths of a LightPass that adds.
+// What a band's pixels make of it: lists of those that are to be lit, and ChosenSample[slots] in the place of the paths' offers.
+void choose_samples(const ReusePass& pass, const LightPaths& paths);
+// Their shadow rays and what these bring, for connect_paths and gather_paths of a LightPass that adds. A kernel for plain materials, and one for the rest.
 void light_pixels(const ReusePass& pass, const LightPaths& paths);
 
 }  // namespace parhelion::passes

@@ -53,6 +53,7 @@ layout(set = 1, binding = 0, scalar) buffer AllStructs {
     LightSums light_sums[2];
     PackedSample packed_sample[2];
     PackedReservoir packed_reservoir[2];
+    ChosenSample chosen_sample[2];
     LightReuse light_reuse[2];
     ReuseFrame reuse_frame[2];
     CacheHeader cache_header[2];
@@ -124,6 +125,7 @@ void main() {
         WRITE(LightSums, light_sums)
         WRITE(PackedSample, packed_sample)
         WRITE(PackedReservoir, packed_reservoir)
+        WRITE(ChosenSample, chosen_sample)
         WRITE(LightReuse, light_reuse)
         WRITE(ReuseFrame, reuse_frame)
         WRITE(CacheFrameData, cache_frame_data)

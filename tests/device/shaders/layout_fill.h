@@ -65,6 +65,7 @@ struct LayoutStructs {
     LightSums light_sums[2];
     PackedSample packed_sample[2];
     PackedReservoir packed_reservoir[2];
+    ChosenSample chosen_sample[2];
     LightReuse light_reuse[2];
     ReuseFrame reuse_frame[2];
     CacheHeader cache_header[2];  // stays zero too
@@ -164,6 +165,7 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(LightPending) v) { F(diff
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(LightSums) v) { F(diffuse) F(specular) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(PackedSample) v) { F(reference) F(number) F(place) F(bits) F(direction) F(radiance) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(PackedReservoir) v) { F(point) F(weight) F(target) }
+SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(ChosenSample) v) { F(reservoir) F(weight) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(LightReuse) v) { F(prefix) F(share) F(direction) F(instance) F(number) F(place) F(bits) F(density) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(ReuseFrame) v) { F(frame_index) F(set) F(candidates) F(most_confidence) F(neighbours) F(radius_px) F(permutation) F(reset) F(changed) F(keeps_offered) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(CacheFrameData) v) {
@@ -184,7 +186,7 @@ SHARED_FN void fill_entry(SHARED_INOUT(uint) n, SHARED_INOUT(LayoutStructs) v, u
     F(scene_header[i]) F(geometry[i]) F(bvh_addresses[i]) F(affine[i]) F(instance[i]) F(vertex_attributes[i]) F(texture_entry[i]) F(texture_ref[i]) F(material[i]) F(emitter[i])
     F(alias_entry[i]) F(environment[i]) F(hit[i]) F(camera[i]) F(camera_motion[i]) F(view_data[i]) F(slice[i]) F(dumped_ray[i]) F(drawn_geometry[i]) F(raster_counts[i]) F(bvh_node[i]) F(bvh_node_binary[i]) F(bvh_node_compact[i]) F(bvh_triangle[i]) F(bvh_top_item[i])
     F(traversal_ray[i]) F(traversal_hit[i])
-    F(wavefront_ray[i]) F(wavefront_hit[i]) F(wavefront_path[i]) F(wavefront_extra[i]) F(wavefront_slot[i]) F(wavefront_vertex[i]) F(wavefront_shadow_ray[i]) F(wavefront_split[i]) F(wavefront_class_sums[i]) F(wavefront_size[i]) F(wavefront_first[i]) F(tile_sample[i]) F(packed_light[i]) F(realtime_frame[i]) F(light_path[i]) F(light_path_inside[i]) F(light_pending[i]) F(light_sums[i]) F(packed_sample[i]) F(packed_reservoir[i]) F(light_reuse[i]) F(reuse_frame[i])
+    F(wavefront_ray[i]) F(wavefront_hit[i]) F(wavefront_path[i]) F(wavefront_extra[i]) F(wavefront_slot[i]) F(wavefront_vertex[i]) F(wavefront_shadow_ray[i]) F(wavefront_split[i]) F(wavefront_class_sums[i]) F(wavefront_size[i]) F(wavefront_first[i]) F(tile_sample[i]) F(packed_light[i]) F(realtime_frame[i]) F(light_path[i]) F(light_path_inside[i]) F(light_pending[i]) F(light_sums[i]) F(packed_sample[i]) F(packed_reservoir[i]) F(chosen_sample[i]) F(light_reuse[i]) F(reuse_frame[i])
     F(cache_frame_data[i]) F(cache_size[i]) F(cache_update[i]) F(cache_path[i]) F(work_chunk[i]) F(joint_influence[i]) F(active_target[i]) F(deform_job[i])
 }
 #undef F
