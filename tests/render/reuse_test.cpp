@@ -100,6 +100,31 @@ TEST_F(Reuse, what_is_blended_hides_a_sample_in_all_steps_of_a_frame_or_in_none)
     EXPECT_NEAR(mean_of(RealtimeReuse::Unbiased) / mean_of(RealtimeReuse::None), 1.0, 0.02);
 }
 
+// Where a wall is nearer than the steps in which its points are told, floor that it lights is as bright as without reservoirs: such paths stay the pixel's own.
+TEST_F(Reuse, light_from_points_nearer_than_their_places_are_told_is_not_shared) {
+    SceneEdit edit;
+    Primitive floor, wall;
+    add_quad(floor, {-2.0f, 0.0f, 4.0f}, {4.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -4.0f});
+    add_quad(wall, {-2.0f, 0.0f, 0.0f}, {4.0f, 0.0f, 0.0f}, {0.0f, 4.0f, 0.0f});
+    const auto white = edit.add(builtin::lambert("white", glm::vec3(0.8f)));
+    builtin::add_object(edit, "floor", std::move(floor), white);
+    builtin::add_object(edit, "wall", std::move(wall), white);
+    Light lamp = lamp_at(0.2f, 10.0f);  // grazes the floor
+    lamp.place.node_from_object = glm::translate(lamp.place.node_from_object, {0.0f, 0.0f, 3.0f});
+    edit.add(lamp);
+    Stage stage(make_scene(std::move(edit)));
+    constexpr float kHalf = 3e-5f;  // of what is seen: a step is 6e-5 m
+    CameraView above = camera_from_above(1.0f, kHalf);
+    above.position.z = 1.1f * kHalf;
+    Shot shot{.view = {.width = 16, .height = 16, .max_bounces = 2, .filter = PixelFilter::Point}, .camera = above};
+    const auto mean_of = [&](RealtimeReuse reuse, uint32_t seed) {
+        shot.view.seed = seed;
+        Player player(stage, shot, {.reuse = reuse, .cache = false});
+        return player.mean(100);
+    };
+    EXPECT_NEAR(mean_of(RealtimeReuse::Unbiased, 2) / mean_of(RealtimeReuse::None, 1), 1.0, 0.01);
+}
+
 // From far away it was hardly ever sampled: what the last frame knows of it counts for nothing.
 TEST_F(Reuse, a_lamp_that_comes_near_shines_in_the_same_frame) {
     Stage stage = make_lit_wall({lamp_at(2.0f, 10.0f), lamp_at(60.0f, 10.0f)});
