@@ -91,9 +91,9 @@ SHARED_FN vec3 cache_unpack_irradiance(uint64_t packed) {
 
 // Moments: count 8 | age 6 | spread 9 | change 9. Both last are of the luminance and relative to its mean, so that no change of
 // exposure touches them.
-SHARED_CONST uint kCacheAgeShift = 8u;
+SHARED_CONST uint kCacheAgeShift = 8u, kCacheCountMask = 255u;
 struct CacheMoments {
-    uint count;    // 0: nothing is known; 1: samples to which light was missing; then one more than what the mean is worth in samples,
+    uint count;    // 0: nothing is known; 1: samples to which light was missing, or of before a light was switched; then one more than what the mean is worth in samples,
                    // of which each but the first adds a half, up to a limit
     uint age;      // frames since birth, up to kCacheOldest
     float spread;  // second moment over the mean's square, less 1: a sample's relative variance
@@ -113,7 +113,7 @@ SHARED_FN uint cache_pack_moments(CacheMoments m, vec2 u) {
 }
 SHARED_FN CacheMoments cache_unpack_moments(uint packed) {
     CacheMoments m;
-    m.count = packed & 255u;
+    m.count = packed & kCacheCountMask;
     m.age = (packed >> kCacheAgeShift) & kCacheOldest;
     m.spread = cache_from_log_code((packed >> 14) & 511u, 24.0f);
     m.change = cache_from_log_code((packed >> 23) & 255u, 12.0f) * ((packed & 0x80000000u) != 0u ? -1.0f : 1.0f);

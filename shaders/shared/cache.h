@@ -9,6 +9,7 @@ SHARED_CONST uint kCacheParents = 1u;        // levels above a cell's own that a
 SHARED_CONST uint kCacheYoung = 4u;          // count from which a cell answers alone
 SHARED_CONST uint kCacheSteady = 8u;         // count from which a cell's mean lights others, not what its update finds in this frame
 SHARED_CONST uint kCacheChain = 8u;          // updates along which light comes to a cell in one frame
+SHARED_CONST uint kCacheLongChain = 32u;     // where a light was switched: what lies beyond the end is of before, and its share has to be next to nothing
 SHARED_CONST uint kCacheRounds = 2u;         // rays of an update's path, its first one included
 SHARED_CONST uint kCacheRoundsLayers = 4u;   // where it may lead through glass
 SHARED_CONST uint kCacheLanes = 8u;          // invocations that choose one update's light
@@ -64,6 +65,8 @@ struct CacheHeader {
     uint life;            // frames that a cell lives on after a pixel asked for it
     uint most_samples;    // count that running means stop at
     uint candidates;      // of one choice of a light
+    uint forgets;         // 1: a light was switched, and what cells know goes with their next sample
+    uint chain;           // updates along which light comes to a cell
     // Counts, since this frame began.
     uint live_before;     // entries of the other list
     uint live;            // entries of the list
@@ -81,7 +84,7 @@ struct CacheFrameData {
     uint frame_index, seed;
     float exposure, exposure_ratio;
     float cell_scale, cell_pixels, jitter;
-    uint life, most_samples, candidates;
+    uint life, most_samples, candidates, forgets;
 };
 
 // Work sizes for vkCmdDispatchIndirect and vkCmdTraceRaysIndirectKHR.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "base/error.h"
 #include "renderers/slice.h"
@@ -237,6 +238,7 @@ void Realtime::show(Frame& frame, View& view) {
 void Realtime::note_changes(const SceneGpu& scene) {
     changed_ = scene_version_ != 0 && scene.version() != scene_version_;
     scene_version_ = scene.version();
+    switched_ = std::exchange(light_switches_, scene.light_switches()) != scene.light_switches() && changed_;
     unsettled_frames_ = changed_ ? 1 + (cache_ ? options_.cache_options.change_frames : 0) : unsettled_frames_ - std::min(unsettled_frames_, 1u);
 }
 
@@ -244,7 +246,7 @@ std::optional<passes::CacheUpdate> Realtime::begin_update(Frame& frame, const Sc
     if (!cache_ || !updates_cells) return {};
     return std::make_optional<passes::CacheUpdate>(
         frame, scene, way, *cache_,
-        passes::CacheFrame{.frame_index = frame_index_, .seed = view.desc().seed, .exposure = options_.exposure, .lights_changed = changed_, .view = traced(view).view});
+        passes::CacheFrame{.frame_index = frame_index_, .seed = view.desc().seed, .exposure = options_.exposure, .lights_changed = changed_, .lights_switched = switched_, .view = traced(view).view});
 }
 
 void Realtime::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, View& view, bool ends_range) {

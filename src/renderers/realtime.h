@@ -115,8 +115,9 @@ private:
     bool cut_ = true;  // the first frame follows none
     bool keeps_input_ = false;
     KeptInput input_;
-    uint64_t scene_version_ = 0;
+    uint64_t scene_version_ = 0, light_switches_ = 0;
     bool changed_ = false;           // something in the scene is not as it was in the last frame: what moves takes its shadow along
+    bool switched_ = false;          // a light that matters was switched
     uint32_t unsettled_frames_ = 0;  // in which points may still be lit as they were before
     uint32_t frame_index_ = 0;
 };

@@ -45,7 +45,7 @@ LightCache::LightCache(const gpu::DevicePtr& device, const CacheOptions& options
                 .passing = buffer("passing", sizeof(glm::vec4))};
 }
 
-shared::CacheFrameData LightCache::begin_frame(uint32_t frame_index, uint32_t seed, float exposure, bool lights_changed) {
+shared::CacheFrameData LightCache::begin_frame(uint32_t frame_index, uint32_t seed, float exposure, bool lights_changed, bool lights_switched) {
     constexpr uint32_t kQuickSamples = 2;
     quick_frames_ = lights_changed ? options_.change_frames : quick_frames_ - std::min(quick_frames_, 1u);
     const float ratio = exposure / exposure_.value_or(exposure);
@@ -59,7 +59,8 @@ shared::CacheFrameData LightCache::begin_frame(uint32_t frame_index, uint32_t se
             .jitter = options_.jitter,
             .life = options_.life,
             .most_samples = quick_frames_ != 0 ? std::min(options_.samples, kQuickSamples) : options_.samples,
-            .candidates = options_.candidates};
+            .candidates = options_.candidates,
+            .forgets = lights_switched ? 1u : 0u};
 }
 
 CacheStats LightCache::read_stats(Frame& frame) const {

@@ -66,8 +66,8 @@ public:
     bool take_empty() { return std::exchange(empty_, false); }  // whether the table must be emptied before it is used
 
     // What the coming frame gives the shaders. `exposure`: what stored radiance is multiplied by, from now on; `lights_changed`: a light has
-    // been switched, moved or painted, so cells do not wait until each has noticed.
-    shared::CacheFrameData begin_frame(uint32_t frame_index, uint32_t seed, float exposure, bool lights_changed);
+    // been switched, moved or painted, so cells do not wait until each has noticed; `lights_switched`: one that matters has, so they begin anew.
+    shared::CacheFrameData begin_frame(uint32_t frame_index, uint32_t seed, float exposure, bool lights_changed, bool lights_switched);
 
     // Waits for the frames before.
     CacheStats read_stats(Frame& frame) const;

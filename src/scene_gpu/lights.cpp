@@ -76,6 +76,25 @@ std::vector<float> lit_before(std::span<const EmitterLook> before, std::span<con
     return ratios;
 }
 
+double switched_share(EmitterShares before, EmitterShares now, std::span<const uint32_t> rows_now) {
+    std::vector<bool> was_there(now.looks.size());
+    double share = 0;
+    for (uint32_t row = 0; row < before.looks.size(); ++row) {
+        const uint32_t there = rows_now.empty() ? row : rows_now[row];
+        if (there == shared::kNone) {
+            share += before.shares[row];
+            continue;
+        }
+        was_there[there] = true;
+        const EmitterLook old = before.looks[row], look = now.looks[there];
+        if (old.place != look.place || old.radiance == look.radiance) continue;
+        share += look.radiance > old.radiance ? now.shares[there] * (1 - old.radiance / look.radiance) : before.shares[row] * (1 - look.radiance / old.radiance);
+    }
+    for (uint32_t row = 0; row < now.looks.size(); ++row)
+        if (!was_there[row]) share += now.shares[row];
+    return share;
+}
+
 void SceneGpu::State::make_environment() {
     if (!environment_table_stale) return;
     const Environment& e = scene->environment();
@@ -149,6 +168,7 @@ void SceneGpu::State::place_emitters() {
     emitters.clear();
     const std::vector<EmitterKey> keys_before = std::move(emitter_keys);
     const std::vector<EmitterLook> looks_before = std::move(emitter_looks);
+    const std::vector<double> shares_before = std::move(emitter_shares);
     emitter_keys.clear();
     emitter_looks.clear();
     std::vector<double> finite, infinite;  // flux in lumen; irradiance in lux
@@ -204,6 +224,7 @@ void SceneGpu::State::place_emitters() {
     for (size_t k = 0; k < finite.size(); ++k) weights[finite_rows[k]] = finite_total > 0 ? (1 - share) * (finite[k] / finite_total) : 0;
     for (size_t k = 0; k < infinite.size(); ++k) weights[infinite_rows[k]] = infinite_total > 0 ? share * (infinite[k] / infinite_total) : 0;
     std::vector<shared::AliasEntry> rows = make_alias_rows(weights);
+    emitter_shares = std::move(weights);
     emitter_table = make_table("emitters", std::span<const shared::Emitter>(emitters));
     emitter_alias = make_table("emitter_alias", std::move(rows));
     suns = make_table("suns", std::span<const uint32_t>(sun_rows));
@@ -213,6 +234,8 @@ void SceneGpu::State::place_emitters() {
     emitters_before = static_cast<uint32_t>(keys_before.size());
     emitter_translation = emitter_lit_before = {};
     std::vector<uint32_t> rows_now = translate_rows(keys_before, emitter_keys);
+    constexpr double kMatters = 0.05;
+    light_switched |= !has_no_past && switched_share({looks_before, shares_before}, {emitter_looks, emitter_shares}, rows_now) >= kMatters;
     if (std::vector<float> ratios = lit_before(looks_before, emitter_looks, rows_now); !has_no_past && !ratios.empty()) emitter_lit_before = make_table("emitter_lit_before", std::move(ratios));
     if (!rows_now.empty()) emitter_translation = make_table("emitter_now_of_before", std::move(rows_now));
 }

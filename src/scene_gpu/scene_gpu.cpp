@@ -22,6 +22,7 @@ SceneGpu::SceneGpu(gpu::DevicePtr device, const SceneGpuOptions& options) : stat
 SceneGpu::~SceneGpu() = default;
 
 uint64_t SceneGpu::version() const { return state_->version; }
+uint64_t SceneGpu::light_switches() const { return state_->light_switches; }
 uint32_t SceneGpu::features() const { return state_->features_shown; }
 const SceneGpuStats& SceneGpu::stats() const { return state_->stats; }
 const SceneBinding& SceneGpu::binding() const {

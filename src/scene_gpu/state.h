@@ -183,6 +183,14 @@ struct EmitterLook {
 // The radiance before over now's, of each row of now: 0 of those that are new or were elsewhere; rows_now as translate_rows() gives it. Empty: all are as they were.
 std::vector<float> lit_before(std::span<const EmitterLook> before, std::span<const EmitterLook> now, std::span<const uint32_t> rows_now);
 
+// Each frame's emitters and about what share of its light they are.
+struct EmitterShares {
+    std::span<const EmitterLook> looks;
+    std::span<const double> shares;
+};
+// The share of the light that has come or gone at once: of emitters that are new, are gone, or shine otherwise from where they were. Those that move do not count.
+double switched_share(EmitterShares before, EmitterShares now, std::span<const uint32_t> rows_now);
+
 struct TopLevel {
     gpu::AccelStruct tlas;
     gpu::Buffer nodes, items;            // ours
@@ -206,7 +214,7 @@ struct SceneGpu::State {
     bool environment_table_stale = true;  // its image is taken care of, its row and its light table are not
     bool has_no_past = true;  // the scene has never been published: its previous frame is the present one
     bool tables_running = false;       // step 2 has begun and waits for slices
-    uint64_t published = 0, version = 0;
+    uint64_t published = 0, version = 0, light_switches = 0;
     SceneProgress progress;
 
     // geometry.cpp
@@ -242,6 +250,8 @@ struct SceneGpu::State {
     gpu::Buffer emitter_translation;       // from the previous frame's rows; none: nothing has changed its row
     uint32_t emitters_before = 0;          // rows of the previous frame
     std::vector<EmitterLook> emitter_looks;  // by row
+    std::vector<double> emitter_shares;      // by row: of all light, about
+    bool light_switched = false;             // by the edit that is published next
     gpu::Buffer emitter_lit_before;        // SceneHeader's; none: all shine as they did
     std::vector<EmissivePart> emissive_parts;  // whose tables triangle_alias holds, one after the other
     std::unordered_map<uint32_t, uint32_t> triangle_table_of_geometry;  // geometry row -> offset in triangle_alias

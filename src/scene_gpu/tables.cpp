@@ -1,4 +1,6 @@
 // The second and third step: rows that refer to what is on the device, and the moment in which they become the scene.
+#include <utility>
+
 #include "base/error.h"
 #include "sampling/blue_noise.h"
 #include "sampling/sobol.h"
@@ -47,6 +49,7 @@ void SceneGpu::State::publish(Frame& frame) {
     drawn_now = std::move(drawn_next);
     published += tables_advance ? 1 : 0;
     version += tables_edited ? 1 : 0;
+    light_switches += std::exchange(light_switched, false) ? 1 : 0;
     unsettled |= tables_edited;
     frame_began = false;
     write_header(frame);

@@ -202,6 +202,23 @@ TEST_F(WorldCache, a_lamp_that_goes_out_is_forgotten_in_a_few_frames) {
     EXPECT_NEAR(now / before, 1.0, 0.1);
 }
 
+// Told that it was switched, cells begin anew: with the frame itself nothing is left, and when it comes on again nearly all is there.
+TEST_F(WorldCache, a_lamp_that_is_switched_is_gone_or_there_in_the_same_frame) {
+    LoadedScene loaded = make_builtin("builtin:leak-box");
+    Stage stage(std::move(loaded.scene));
+    Watcher watcher(stage, gpu::TraceWay::Compute, {.cells = 1u << 15}, 1.0f, 16, "outside");
+    for (int frame = 0; frame < 24; ++frame) watcher.step();
+    const double before = mean(watcher.step());
+    stage.step(loaded.scripted_edits[0].apply(stage.scene, 1.5));
+    watcher.next.lights_changed = watcher.next.lights_switched = true;
+    EXPECT_LE(mean(watcher.step()) / before, 0.01);
+    watcher.next.lights_changed = watcher.next.lights_switched = false;
+    for (int frame = 0; frame < 8; ++frame) watcher.step();
+    stage.step(loaded.scripted_edits[0].apply(stage.scene, 0.0));
+    watcher.next.lights_changed = watcher.next.lights_switched = true;
+    EXPECT_NEAR(mean(watcher.step()) / before, 1.0, 0.15);
+}
+
 // Light that comes by way of a mirror: a ground beside a silver wall under a plain sky has what an open ground has, but for what silver swallows.
 TEST_F(WorldCache, what_metals_send_on_is_neither_lost_nor_made_diffuse) {
     const auto make = [](bool wall) {

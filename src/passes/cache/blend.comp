@@ -38,7 +38,7 @@ vec3 chained(uint index, out bool unknown) {
     CacheUpdate update = push.found.v[index];
     vec3 sum = found_by(index, update), share = update.share, otherwise = update.otherwise;
     uint link = update.link, bits = update.bits;
-    for (uint i = 1u; i < kCacheChain && link != kCacheNoSlot; ++i) {
+    for (uint i = 1u; i < push.cache.v.chain && link != kCacheNoSlot; ++i) {
         update = push.found.v[link];
         sum += share * found_by(link, update);
         otherwise = share * update.otherwise;
@@ -69,7 +69,7 @@ void blend(uint i) {
     // Cells light each other: a plain mean would keep the darkness that they began with for long. This one grows by half a sample with each,
     // so that the newer half counts for three quarters, at a third more variance.
     const float limit = max(count_limit(moments), 1.0), worth = cache_worth(moments.count);
-    const bool first = moments.count == 0u || (moments.count == 1u && !unknown);
+    const bool first = moments.count == 0u || (moments.count == 1u && (!unknown || push.cache.v.forgets != 0u));
     const float rate = first ? 1.0 : moments.count == 1u ? kUnknownRate : 1.0 / min(worth + 0.5, limit);
     const vec3 after = mix(before, found, rate);
     const float mean_before = luminance(before), mean = luminance(after), sampled = luminance(found);

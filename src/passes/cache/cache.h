@@ -10,6 +10,7 @@ struct CacheFrame {
     uint32_t seed = 0;
     float exposure = 1.0f;     // of what is stored from now on; what is stored already is rescaled
     bool lights_changed = false;
+    bool lights_switched = false;  // they did, and all at once: what is stored is no better than a first guess
     gpu::Buffer view;          // shared::ViewData: only its flags matter
 };
 

@@ -78,9 +78,11 @@ void end_in_cache(inout Progress p, uint index, Surface s, vec3 share, float u) 
     // What lights a cell is as coarse as it, and coarser the farther it is.
     const CachePoint at = cache_point(s, -p.path.ray.direction_ws, max(s.t, p.source.cell_size / push.cache.v.cell_scale), u);
     const CacheAnswer answer = cache_consult(push.cache, at, p.source.life);
-    // Of a place that nobody knows yet, or that found no room: as bright as here. No light comes by this to where there was none.
+    // Of a place that nobody knows yet, or that found no room: as bright as here. No light comes by this to where there was none. Dark, if what is known here is of before
+    // a light was switched.
     const bool known = answer.count > 0.0;
-    const CacheAnswer here = cache_read(push.cache, CacheWords(push.cache.v.updates).v[index]);
+    CacheAnswer here = cache_read(push.cache, CacheWords(push.cache.v.updates).v[index]);
+    if (push.cache.v.forgets != 0u) here.irradiance = vec3(0.0);
     const vec3 light = share * (known ? answer.irradiance : here.irradiance) / push.cache.v.exposure;
     uint link = kCacheNoSlot;
     if (answer.count < float(kCacheSteady) && answer.slot != kCacheNoSlot && p.update.link == kCacheNoSlot) link = cache_update_of(push.cache, answer.slot);

@@ -32,6 +32,8 @@ void begin() {
     cache.v.life = push.frame.life;
     cache.v.most_samples = push.frame.most_samples;
     cache.v.candidates = push.frame.candidates;
+    cache.v.forgets = push.frame.forgets;
+    cache.v.chain = push.frame.forgets != 0u ? kCacheLongChain : kCacheChain;
     cache.v.live_before = cache.v.live;
     cache.v.list ^= 1u;
     cache.v.live = cache.v.update_count = 0u;

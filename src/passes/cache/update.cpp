@@ -121,7 +121,7 @@ void connect(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const Light
 
 shared::CacheFrameData begin_cache(Frame& frame, gpu::TraceWay way, LightCache& cache, const CacheFrame& now) {
     if (cache.take_empty()) clear(frame, cache);
-    const shared::CacheFrameData data = cache.begin_frame(now.frame_index, now.seed, now.exposure, now.lights_changed);
+    const shared::CacheFrameData data = cache.begin_frame(now.frame_index, now.seed, now.exposure, now.lights_changed, now.lights_switched);
     plan(frame, way, cache, data, shared::kCacheBegin);
     maintain(frame, cache);
     plan(frame, way, cache, data, shared::kCachePlan);

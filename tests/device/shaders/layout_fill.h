@@ -169,7 +169,7 @@ SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(ChosenSample) v) { F(rese
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(LightReuse) v) { F(prefix) F(share) F(direction) F(instance) F(number) F(place) F(bits) F(density) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(ReuseFrame) v) { F(frame_index) F(set) F(candidates) F(most_confidence) F(neighbours) F(radius_px) F(permutation) F(reset) F(changed) F(keeps_offered) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(CacheFrameData) v) {
-    F(frame_index) F(seed) F(exposure) F(exposure_ratio) F(cell_scale) F(cell_pixels) F(jitter) F(life) F(most_samples) F(candidates)
+    F(frame_index) F(seed) F(exposure) F(exposure_ratio) F(cell_scale) F(cell_pixels) F(jitter) F(life) F(most_samples) F(candidates) F(forgets)
 }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(CacheSize) v) { F(x) F(y) F(z) }
 SHARED_FN void fill(SHARED_INOUT(uint) n, SHARED_INOUT(CacheUpdate) v) { F(found) F(link) F(share) F(sum) F(otherwise) F(target) F(value) F(bits) }
