@@ -48,6 +48,8 @@ LightCache::LightCache(const gpu::DevicePtr& device, const CacheOptions& options
 shared::CacheFrameData LightCache::begin_frame(uint32_t frame_index, uint32_t seed, float exposure, bool lights_changed, bool lights_switched) {
     constexpr uint32_t kQuickSamples = 2;
     quick_frames_ = lights_changed ? options_.change_frames : quick_frames_ - std::min(quick_frames_, 1u);
+    const bool forgets = lights_switched && frames_to_anew_ == 0;
+    frames_to_anew_ = forgets ? options_.change_frames : frames_to_anew_ - std::min(frames_to_anew_, 1u);
     const float ratio = exposure / exposure_.value_or(exposure);
     exposure_ = exposure;
     return {.frame_index = frame_index,
@@ -60,7 +62,7 @@ shared::CacheFrameData LightCache::begin_frame(uint32_t frame_index, uint32_t se
             .life = options_.life,
             .most_samples = quick_frames_ != 0 ? std::min(options_.samples, kQuickSamples) : options_.samples,
             .candidates = options_.candidates,
-            .forgets = lights_switched ? 1u : 0u};
+            .forgets = forgets ? 1u : 0u};
 }
 
 CacheStats LightCache::read_stats(Frame& frame) const {

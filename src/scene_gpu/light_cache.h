@@ -79,7 +79,8 @@ private:
     CacheUpdateBuffers updates_;
     bool empty_ = true;
     std::optional<float> exposure_;
-    uint32_t quick_frames_ = 0;  // that are left in which means are short
+    uint32_t quick_frames_ = 0;    // that are left in which means are short,
+    uint32_t frames_to_anew_ = 0;  // and before cells may begin anew again: a lamp that fades is not switched in every frame
 };
 
 }  // namespace parhelion

@@ -87,7 +87,8 @@ double switched_share(EmitterShares before, EmitterShares now, std::span<const u
         }
         was_there[there] = true;
         const EmitterLook old = before.looks[row], look = now.looks[there];
-        if (old.place != look.place || old.radiance == look.radiance) continue;
+        const bool moved = old.place != look.place && old.radiance > 0 && look.radiance > 0;
+        if (moved || old.radiance == look.radiance) continue;
         share += look.radiance > old.radiance ? now.shares[there] * (1 - old.radiance / look.radiance) : before.shares[row] * (1 - look.radiance / old.radiance);
     }
     for (uint32_t row = 0; row < now.looks.size(); ++row)

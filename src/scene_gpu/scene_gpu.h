@@ -90,7 +90,7 @@ public:
     const DrawnGeometries& drawn() const;  // of the same scene, with SceneGpuOptions::raster; what its table names lies in binding()
     // Grows whenever binding() begins to show another scene: samples of different versions do not belong into one film.
     uint64_t version() const;
-    // How often lights that are at least a twentieth of all light, about, have been switched, dimmed, brought or taken away at once.
+    // How often lights that are at least a twentieth of the light table have been switched, dimmed, brought or taken away at once.
     uint64_t light_switches() const;
     const SceneGpuStats& stats() const;
     // What rows of its tables are (AOV `ids`, light ids), in words for people: "instance 3 'Lamp', mesh 7 'Bulb'", "light 0 'Sun'".

@@ -79,7 +79,7 @@ void end_in_cache(inout Progress p, uint index, Surface s, vec3 share, float u) 
     const CachePoint at = cache_point(s, -p.path.ray.direction_ws, max(s.t, p.source.cell_size / push.cache.v.cell_scale), u);
     const CacheAnswer answer = cache_consult(push.cache, at, p.source.life);
     // Of a place that nobody knows yet, or that found no room: as bright as here. No light comes by this to where there was none. Dark, if what is known here is of before
-    // a light was switched.
+    // a light was switched; what others know is of before, too, if they are not updated in this frame: then the sample is provisional.
     const bool known = answer.count > 0.0;
     CacheAnswer here = cache_read(push.cache, CacheWords(push.cache.v.updates).v[index]);
     if (push.cache.v.forgets != 0u) here.irradiance = vec3(0.0);
@@ -88,7 +88,7 @@ void end_in_cache(inout Progress p, uint index, Surface s, vec3 share, float u) 
     if (answer.count < float(kCacheSteady) && answer.slot != kCacheNoSlot && p.update.link == kCacheNoSlot) link = cache_update_of(push.cache, answer.slot);
     if (link == kCacheNoSlot) {
         p.update.found += light;
-        if (!known && here.count < 1.0) p.update.bits |= kCacheUnknown;
+        if (push.cache.v.forgets != 0u || (!known && here.count < 1.0)) p.update.bits |= kCacheUnknown;
     } else {
         p.update.link = link;
         p.update.share = share;

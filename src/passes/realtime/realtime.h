@@ -19,7 +19,7 @@ struct LightPaths {
     WavefrontState machine;             // its control, sizes, lists, rays, hits, shadow_rays and shadow_list
     gpu::Buffer paths, pending, sums;   // LightPath, LightPending, LightSums [slots]
     gpu::Buffer inside;                 // LightPathInside[slots]; one without layers
-    gpu::Buffer reuse, offers;          // LightReuse, PackedReservoir (what shadow rays offer) [slots]; one without reservoirs,
+    gpu::Buffer reuse, offers;          // LightReuse, PackedReservoir (what shadow rays offer; after that ChosenSample) [slots]; one without reservoirs,
     gpu::Buffer brings, offered;        // and LightSums: of shadow rays whose light is the path's own too, and of all that it was offered
 };
 struct LightPathNeeds {
