@@ -213,7 +213,7 @@ TEST_F(WorldCache, a_lamp_that_is_switched_is_gone_or_there_in_the_same_frame) {
     watcher.next.lights_changed = watcher.next.lights_switched = true;
     EXPECT_LE(mean(watcher.step()) / before, 0.01);
     watcher.next.lights_changed = watcher.next.lights_switched = false;
-    for (int frame = 0; frame < 8; ++frame) watcher.step();
+    for (uint32_t frame = 0; frame < watcher.cache.options().change_frames; ++frame) watcher.step();  // it happens no more often
     stage.step(loaded.scripted_edits[0].apply(stage.scene, 0.0));
     watcher.next.lights_changed = watcher.next.lights_switched = true;
     EXPECT_NEAR(mean(watcher.step()) / before, 1.0, 0.15);
