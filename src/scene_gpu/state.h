@@ -188,7 +188,7 @@ struct EmitterShares {
     std::span<const EmitterLook> looks;
     std::span<const double> shares;
 };
-// The share of the light that has come or gone at once: of emitters that are new, are gone, or shine otherwise from where they were. Those that move do not count.
+// The share of the light that has come or gone at once: of emitters that are new, are gone, or shine otherwise from where they were. Those that move and shine before and after do not count.
 double switched_share(EmitterShares before, EmitterShares now, std::span<const uint32_t> rows_now);
 
 struct TopLevel {

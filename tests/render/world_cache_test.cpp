@@ -175,14 +175,23 @@ TEST_F(WorldCache, nothing_leaks_into_a_box_with_walls_of_a_centimetre) {
     }
 }
 
+// Cells that know a room with one lamp for 24 frames.
+struct LampWatcher {
+    LampWatcher() {
+        for (int frame = 0; frame < 24; ++frame) watcher.step();
+    }
+    void turn(bool on) { stage.step(loaded.scripted_edits[0].apply(stage.scene, on ? 0.0 : 1.5)); }
+    LoadedScene loaded = make_builtin("builtin:leak-box");
+    Stage stage{std::move(loaded.scene)};
+    Watcher watcher{stage, gpu::TraceWay::Compute, {.cells = 1u << 15}, 1.0f, 16, "outside"};
+};
+
 // A lamp goes out: what is left of its light in the mean.
 TEST_F(WorldCache, a_lamp_that_goes_out_is_forgotten_in_a_few_frames) {
-    LoadedScene loaded = make_builtin("builtin:leak-box");
-    Stage stage(std::move(loaded.scene));
-    Watcher watcher(stage, gpu::TraceWay::Compute, {.cells = 1u << 15}, 1.0f, 16, "outside");
-    for (int frame = 0; frame < 24; ++frame) watcher.step();
+    LampWatcher lamp;
+    Watcher& watcher = lamp.watcher;
     const double before = mean(watcher.step());
-    stage.step(loaded.scripted_edits[0].apply(stage.scene, 1.5));
+    lamp.turn(false);
     watcher.next.lights_changed = true;
     std::vector<double> left;
     for (int frame = 0; frame < 24; ++frame) {
@@ -192,7 +201,7 @@ TEST_F(WorldCache, a_lamp_that_goes_out_is_forgotten_in_a_few_frames) {
     EXPECT_LE(left[7], 0.10);
     EXPECT_LE(left[23], 0.01);
     // And comes on again.
-    stage.step(loaded.scripted_edits[0].apply(stage.scene, 0.0));
+    lamp.turn(true);
     watcher.next.lights_changed = true;
     double now = 0;
     for (int frame = 0; frame < 16; ++frame) {
@@ -204,17 +213,15 @@ TEST_F(WorldCache, a_lamp_that_goes_out_is_forgotten_in_a_few_frames) {
 
 // Told that it was switched, cells begin anew: with the frame itself nothing is left, and when it comes on again nearly all is there.
 TEST_F(WorldCache, a_lamp_that_is_switched_is_gone_or_there_in_the_same_frame) {
-    LoadedScene loaded = make_builtin("builtin:leak-box");
-    Stage stage(std::move(loaded.scene));
-    Watcher watcher(stage, gpu::TraceWay::Compute, {.cells = 1u << 15}, 1.0f, 16, "outside");
-    for (int frame = 0; frame < 24; ++frame) watcher.step();
+    LampWatcher lamp;
+    Watcher& watcher = lamp.watcher;
     const double before = mean(watcher.step());
-    stage.step(loaded.scripted_edits[0].apply(stage.scene, 1.5));
+    lamp.turn(false);
     watcher.next.lights_changed = watcher.next.lights_switched = true;
     EXPECT_LE(mean(watcher.step()) / before, 0.01);
     watcher.next.lights_changed = watcher.next.lights_switched = false;
     for (uint32_t frame = 0; frame < watcher.cache.options().change_frames; ++frame) watcher.step();  // it happens no more often
-    stage.step(loaded.scripted_edits[0].apply(stage.scene, 0.0));
+    lamp.turn(true);
     watcher.next.lights_changed = watcher.next.lights_switched = true;
     EXPECT_NEAR(mean(watcher.step()) / before, 1.0, 0.15);
 }

@@ -31,10 +31,11 @@ void take_in(uint slot, uint64_t key) {
 }
 
 void grow_older(uint slot) {
-    uint moments = CacheWords(push.cache.v.moments).v[slot];
+    const uint before_now = CacheWords(push.cache.v.moments).v[slot];
+    uint moments = before_now;
     if (((moments >> kCacheAgeShift) & kCacheOldest) < kCacheOldest) moments += 1u << kCacheAgeShift;
     if (push.cache.v.forgets != 0u) moments = moments & ~kCacheCountMask | min(moments & kCacheCountMask, 1u);
-    CacheWords(push.cache.v.moments).v[slot] = moments;
+    if (moments != before_now) CacheWords(push.cache.v.moments).v[slot] = moments;
     if (push.cache.v.exposure_ratio == 1.0) return;
     const vec3 before = cache_unpack_irradiance(CacheWords64(push.cache.v.irradiance).v[slot]);
     CacheWords64(push.cache.v.irradiance).v[slot] = cache_pack_irradiance(before * push.cache.v.exposure_ratio);
