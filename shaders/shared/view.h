@@ -27,7 +27,8 @@ SHARED_CONST uint kFilmDebugAge = 17u;
 SHARED_CONST uint kFilmDebugLife = 18u;
 SHARED_CONST uint kFilmDebugLight = 19u;       // 1 + the emitter that the surface asks; 0: none
 SHARED_CONST uint kFilmDebugRays = 20u;        // traced for the pixel after what it sees
-SHARED_CONST uint kFilmGroupCount = 21u;
+SHARED_CONST uint kFilmDebugDuplicates = 21u;  // pixels around whose reservoirs keep the same sample
+SHARED_CONST uint kFilmGroupCount = 22u;
 SHARED_CONST uint kNoChannel = 0xFFFFFFFFu;
 
 // Squares range twice as far as samples do: two sums, with factors that lose nothing (image/film.h resolves them).

@@ -25,10 +25,12 @@ uint32_t reservoir_sets(const RealtimeOptions& options) { return options.reuse_o
 bool keeps_offered(const RealtimeOptions& options) { return options.reuse == RealtimeReuse::Full && options.reuse_options.sets == ReservoirSets::Unified; }
 
 // What the last frame counts for at most. Where few lights are the frame's own samples are as good as the last one's, and what frames repeat of each
-// other their means keep as noise.
+// other their means keep as noise; below kWorthIt what is left of it is not worth its time (docs/resampling.md).
 uint32_t confidence_for(const ReuseOptions& options, uint32_t lights, uint32_t candidates) {
+    constexpr uint32_t kWorthIt = 3;
     if (!options.adapt_confidence) return options.confidence;
-    return std::min(options.confidence, static_cast<uint32_t>(std::bit_width(std::max(lights / candidates, 1u))) - 1);
+    const uint32_t called_for = static_cast<uint32_t>(std::bit_width(std::max(lights / candidates, 1u))) - 1;
+    return called_for < kWorthIt ? 0 : std::min(options.confidence, called_for);
 }
 
 // Layers that show what the world cache knows at what pixels see.
@@ -37,6 +39,8 @@ bool shows_cache(const View& view) {
     const auto is_of_it = [&](const std::string& channel) { return std::ranges::any_of(kOfTheCache, [&](std::string_view layer) { return channel.starts_with(layer); }); };
     return std::ranges::any_of(view.channels(), is_of_it);
 }
+
+bool shows_duplicates(const View& view) { return std::ranges::find(view.channels(), "debug.duplicates") != view.channels().end(); }
 
 std::optional<RenderedView> make_rendered(const gpu::DevicePtr& device, const View& view, const RealtimeOptions& options) {
     const gpu::Extent picture{view.film().width, view.film().height}, rendered = rendered_extent(picture, options.upscale);
@@ -210,6 +214,7 @@ void Realtime::share_light(Frame& frame, const SceneGpu& scene, gpu::TraceWay wa
                             .exposure = options_.exposure};
     for (reuse.settings.set = 0; reuse.settings.set < reservoir_sets(options_); ++reuse.settings.set) {
         passes::reuse_before(reuse);
+        if (shows_duplicates(view)) passes::show_duplicates(reuse);
         if (options.neighbours != 0) passes::tell_partners(reuse);
     }
     passes::LightPass light = light_pass(frame, scene, way, view);

@@ -34,6 +34,7 @@ std::span<const FilmGroup> film_groups() {
         {"debug.life", shared::kFilmDebugLife, {""}},
         {"debug.light", shared::kFilmDebugLight, {""}},
         {"debug.rays", shared::kFilmDebugRays, {""}},
+        {"debug.duplicates", shared::kFilmDebugDuplicates, {""}},
     };
     return groups;
 }

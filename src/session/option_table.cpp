@@ -128,13 +128,13 @@ const OptionSpec kOptions[] = {
     {.name = "--aov", .section = "Picture", .commands = kView, .kind = ValueKind::List, .value = "NAME",
      .help = "show a layer instead of the picture",
      .choices = "albedo|normal|emission|roughness|path.emission|path.direct_diffuse|path.direct_specular|path.indirect_diffuse|"
-                "path.indirect_specular|path.transmission|debug.cells|debug.irradiance|debug.level|debug.count|debug.age|debug.life|debug.light|debug.rays"},
+                "path.indirect_specular|path.transmission|debug.cells|debug.irradiance|debug.level|debug.count|debug.age|debug.life|debug.light|debug.rays|debug.duplicates"},
     {.name = "--aov", .section = "Output", .commands = kRender, .kind = ValueKind::List, .value = "LIST",
      .help = "further layers of the EXR, separated by commas; path.* and debug.* (realtime) stand for all of a group; noisy is the picture "
              "before --denoise oidn, reconstruction what --denoise builtin gets (realtime)",
      .choices = "albedo|normal|emission|roughness|depth|ids|motion|variance|noisy|reconstruction|path.emission|path.direct_diffuse|path.direct_specular|"
                 "path.indirect_diffuse|path.indirect_specular|path.transmission|"
-                "debug.cells|debug.irradiance|debug.level|debug.count|debug.age|debug.life|debug.light|debug.rays"},
+                "debug.cells|debug.irradiance|debug.level|debug.count|debug.age|debug.life|debug.light|debug.rays|debug.duplicates"},
     {.name = "--dataset", .section = "Output", .commands = kRender, .kind = ValueKind::File, .value = "DIR",
      .help = "write what training a reconstruction needs of every frame: what it gets, and a reference (docs/reconstruction.md); the same "
              "command goes on with a folder that it began",

@@ -253,5 +253,22 @@ TEST_F(Reuse, light_that_came_by_way_of_a_wall_is_gone_with_its_lamp) {
     EXPECT_EQ(mean_luminance(player.next(std::move(off))), 0.0);
 }
 
+// What is not fed back cannot spread: of the 48 pixels around one hardly any goes on with its sample, whether the last frame counts or not. Without it some do,
+// because a square of pixels draws from one light tile.
+TEST_F(Reuse, pixels_near_each_other_seldom_keep_one_sample) {
+    Stage& stage = builtin_stage("builtin:cornell");
+    const auto duplicates = [&](bool adapts) {
+        const Shot shot{.way = gpu::TraceWay::Compute, .view = {.width = 48, .height = 48, .filter = PixelFilter::Point, .aovs = {"debug.duplicates"}}, .sample_count = 24};
+        const image::ImageF picture = image::resolve_film(stage.play(shot, {.reuse = RealtimeReuse::Full, .reuse_options = {.adapt_confidence = adapts}}));
+        double sum = 0;
+        for (const float around : picture.plane(*picture.find_channel("debug.duplicates"))) sum += static_cast<double>(around);
+        return sum / static_cast<double>(picture.pixel_count());
+    };
+    const double alone = duplicates(true);
+    EXPECT_GT(alone, 0.0);
+    EXPECT_LT(alone, 0.05);
+    EXPECT_LT(duplicates(false), 0.05);
+}
+
 }  // namespace
 }  // namespace parhelion::testing::reuse_test

@@ -148,16 +148,16 @@ Moments moments(std::span<const double> values) {
     return out;
 }
 
-Runs::Runs(uint32_t width, uint32_t height)
-    : width_(width), height_(height), tiles_x_((width + kTileSize - 1) / kTileSize), tiles_y_((height + kTileSize - 1) / kTileSize), tiles_(tile_count()) {}
+Runs::Runs(uint32_t width, uint32_t height, uint32_t tile_size)
+    : width_(width), height_(height), tile_size_(tile_size), tiles_x_((width + tile_size - 1) / tile_size), tiles_y_((height + tile_size - 1) / tile_size), tiles_(tile_count()) {}
 
 void Runs::add_run(std::span<const float> values) {
     require(values.size() == size_t{width_} * height_ && !values.empty(), "a run of another size than the others");
     std::vector<double> sums(tile_count()), pixels(tile_count());
     for (uint32_t y = 0; y < height_; ++y)
         for (uint32_t tile_x = 0; tile_x < tiles_x_; ++tile_x) {
-            const uint32_t begin = tile_x * kTileSize, end = std::min(width_, begin + kTileSize);
-            const size_t tile = size_t{y / kTileSize} * tiles_x_ + tile_x;
+            const uint32_t begin = tile_x * tile_size_, end = std::min(width_, begin + tile_size_);
+            const size_t tile = size_t{y / tile_size_} * tiles_x_ + tile_x;
             double sum = 0;
             for (uint32_t x = begin; x < end; ++x) sum += static_cast<double>(values[size_t{y} * width_ + x]);
             sums[tile] += sum;

@@ -38,12 +38,12 @@ Moments moments(std::span<const double> values);
 
 // ---- the equivalence test of "two means are equal" ----
 
-// Independent runs of one renderer: own seeds, own history. Keeps each run's mean and its means over tiles of 8x8 pixels.
+// Independent runs of one renderer: own seeds, own history. Keeps each run's mean and its means over tiles, squares of 8x8 pixels unless said.
 class Runs {
 public:
     static constexpr uint32_t kTileSize = 8;
 
-    Runs(uint32_t width, uint32_t height);
+    Runs(uint32_t width, uint32_t height, uint32_t tile_size = kTileSize);
     // One plane (luminance or a channel), row by row.
     void add_run(std::span<const float> values);
 
@@ -53,7 +53,7 @@ public:
     std::span<const double> tile_means(uint32_t tile) const { return tiles_[tile]; }  // one a run
 
 private:
-    uint32_t width_, height_, tiles_x_, tiles_y_;
+    uint32_t width_, height_, tile_size_, tiles_x_, tiles_y_;
     std::vector<double> means_;
     std::vector<std::vector<double>> tiles_;
 };
@@ -74,7 +74,7 @@ struct Equivalence {
 // Says whether the mean of `test` equals that of `reference` to `margin` (0.01: one per cent).
 //   Mean: the 99.9 % t-interval of the ratio of means (delta method, Welch-Satterthwaite degrees of freedom) must lie inside the
 //   margin: noise fails. The reference's own standard error must be at most a quarter of the margin.
-//   Tiles: of the 8x8 tiles brighter than 1 % of the reference's mean, as many may differ by |t| above its 99 % point as the 99.9 %
+//   Tiles: of the runs' tiles brighter than 1 % of the reference's mean, as many may differ by |t| above its 99 % point as the 99.9 %
 //   binomial quantile says: 4 of 64, 8 of 220, 14 of 576. So an equal pair fails by its tiles once in a thousand times.
 // Throws std::invalid_argument for fewer than 32 test runs, fewer than 2 reference runs, or a mean that is not positive.
 // `rounding`: of pictures that are stored with fewer bits than a float has, relative.

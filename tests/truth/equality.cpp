@@ -14,6 +14,9 @@ constexpr double kMargin = 0.005, kSmallClass = 0.01;
 constexpr double kSmallMargin = 0.05;
 constexpr double kSignalRounding = 0x1p-15;  // the picture is made of signals of 14 bits, classes are not
 constexpr uint32_t kRuns = 32, kPilotRuns = 8;
+constexpr float kSunRadius = 0.0465f;  // ten times the sun's
+// Large pictures and few frames: small ones leave a GPU idle. Tiles are a thousandth of the picture.
+constexpr uint32_t kSize = 512, kTile = 16, kMostFrames = 192, kMostSamples = 64;
 
 // A few bright paths make much of these classes: what a GPU resolves in some seconds.
 struct NoisyClass {
@@ -39,20 +42,25 @@ double margin_of(const TruthScene& scene, std::string_view name, double share) {
 
 double mean_of(const Runs& runs) { return moments(runs.means()).mean; }
 
-// How many frames (and samples of the reference) each run takes so that the 99.9 % interval has half the margin's width on either side:
-// equal means then pass but for one case in thousands. From pilot runs with seeds of their own, which tell of variances alone.
-uint32_t frames_needed(const TruthScene& scene, const ClassRuns& test, const ClassRuns& reference, uint32_t pilot_frames) {
+// Of each run: frames of the test, samples of its reference.
+struct Needed {
+    uint32_t frames, samples;
+};
+
+// As many as make the 99.9 % interval half as wide as the margin, if both have the same part in it: equal means then pass but for one case in
+// thousands. From pilot runs with seeds of their own, which tell of variances alone; rare bright paths make these too small, so samples are no fewer than frames.
+Needed find_needed(const TruthScene& scene, const ClassRuns& test, const ClassRuns& reference, uint32_t pilot_frames) {
     constexpr double kErrorsInMargin = 7.2, kDoubt = 1.25;  // of a variance from eight runs
     const double light = mean_of(reference.at("picture"));
-    double most = 1;
+    double frames = 1, samples = 1;
     for (const auto& [name, runs] : reference) {
         const Moments r = moments(runs.means()), t = moments(test.at(name).means());
         if (!(r.mean > 0)) continue;
-        const double wanted = margin_of(scene, name, r.mean / light) * r.mean / kErrorsInMargin;
-        most = std::max(most, kDoubt * (t.variance + r.variance) * pilot_frames / (kRuns * wanted * wanted));
+        const double wanted = margin_of(scene, name, r.mean / light) * r.mean / kErrorsInMargin, scale = kDoubt * pilot_frames / (kRuns * 0.5 * wanted * wanted);
+        frames = std::max(frames, t.variance * scale), samples = std::max(samples, r.variance * scale);
     }
-    const uint32_t cap = by_size(192u, 64u) * truth_effort();
-    return static_cast<uint32_t>(std::min<double>(cap, 8 * std::ceil(most / 8)));
+    const auto rounded = [](double count, uint32_t most) { return static_cast<uint32_t>(std::min<double>(most * truth_effort(), 8 * std::ceil(count / 8))); };
+    return {rounded(frames, by_size(kMostFrames, 64u)), rounded(std::max(frames, samples), kMostSamples)};
 }
 
 void report_class(const TruthScene& scene, const EqualityCase& of, const std::string& name, const Runs& test, const Runs& reference, double light, uint32_t frames) {
@@ -79,25 +87,25 @@ void expect_equal_classes(const TruthScene& scene, const EqualityCase& of) {
         report_skip(of.test, scene.name, why);
         GTEST_SKIP() << scene.name << ": " << why;
     }
-    TruthStage& on = truth_stage(scene);
-    const uint32_t size = by_size(256u, 32u);
+    TruthStage& on = truth_stage(scene, kSunRadius);
+    const uint32_t size = by_size(kSize, 32u), tile = by_size(kTile, Runs::kTileSize);
     ClassRuns pilot_test, pilot_reference, test, reference;
-    const auto draw = [&](ClassRuns& of_test, ClassRuns& of_reference, uint32_t runs, uint32_t first_seed, uint32_t frames) {
+    const auto draw = [&](ClassRuns& of_test, ClassRuns& of_reference, uint32_t runs, uint32_t first_seed, Needed needed) {
         for (uint32_t i = 0; i < runs; ++i) {
             RealtimeOptions options = of.options;
             options.exposure = on.exposure;
             TruthRun run(on, size, first_seed + i, options, true);
             run.skip(of.warm_up);
-            add_run(of_test, run.average(frames));
-            add_run(of_reference, draw_reference(on, size, first_seed + 10000 + i, frames, true));
+            add_run(of_test, run.average(needed.frames), tile);
+            add_run(of_reference, draw_reference(on, size, first_seed + 10000 + i, needed.samples, true), tile);
         }
     };
-    draw(pilot_test, pilot_reference, kPilotRuns, 100000, of.pilot_frames);
-    const uint32_t frames = frames_needed(scene, pilot_test, pilot_reference, of.pilot_frames);
-    draw(test, reference, kRuns, 1, frames);
+    draw(pilot_test, pilot_reference, kPilotRuns, 100000, {of.pilot_frames, of.pilot_frames});
+    const Needed needed = find_needed(scene, pilot_test, pilot_reference, of.pilot_frames);
+    draw(test, reference, kRuns, 1, needed);
     const double light = mean_of(reference.at("picture"));
     ASSERT_GT(light, 0.0);
-    for (const auto& [name, runs] : reference) report_class(scene, of, name, test.at(name), runs, light, frames);
+    for (const auto& [name, runs] : reference) report_class(scene, of, name, test.at(name), runs, light, needed.frames);
 }
 
 }  // namespace parhelion::testing

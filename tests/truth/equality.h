@@ -14,7 +14,7 @@ struct EqualityCase {
     uint32_t pilot_frames = 8;    // of the runs that tell how many frames are needed: more than a history is long
 };
 
-// 32 runs of both, with as many frames as the 0.5 % take (or as the device can do in reasonable time: noise fails). Of equal pictures each row
+// 32 runs of both, with as many frames and samples as the 0.5 % take (or as the device can do in reasonable time: noise fails); suns are wide (truth_stage). Of equal pictures each row
 // fails once in some hundred times by chance (its tiles: once in a thousand); seeds are fixed.
 void expect_equal_classes(const TruthScene& scene, const EqualityCase& of);
 

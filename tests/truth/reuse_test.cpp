@@ -6,7 +6,7 @@
 namespace parhelion::testing::reuse_test {
 namespace {
 
-constexpr uint32_t kWarmUp = 32, kPilotFrames = 64;
+constexpr uint32_t kWarmUp = 32, kPilotFrames = 16;
 
 // With temporal reuse where few lights are, too.
 EqualityCase unbiased(std::string what, ReuseOptions reuse, bool tiles = true) {

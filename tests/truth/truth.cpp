@@ -20,6 +20,8 @@ namespace parhelion::testing {
 
 namespace {
 
+constexpr size_t kMostInFlight = 4;  // frames
+
 constexpr TruthScene kScenes[] = {
     {.name = "cornell", .source = "builtin:cornell", .small = true},
     {.name = "leak_box", .source = "builtin:leak-box"},
@@ -39,6 +41,18 @@ std::string assets() {
 }
 
 bool is_file(const TruthScene& scene) { return !is_builtin(scene.source); }
+
+// As much light from a larger disc; lights without an extent stay.
+void widen_suns(Scene& scene, float least_radius) {
+    SceneEdit edit;
+    for (const auto& [handle, light] : scene.lights()) {
+        if (light.kind != LightKind::Directional || light.angular_radius == 0.0f) continue;
+        Light wide = light;
+        wide.angular_radius = std::max(light.angular_radius, least_radius);
+        edit.set_light(handle, wide);
+    }
+    scene.apply(std::move(edit));
+}
 
 void write_line(const std::string& line) {
     const char* file = std::getenv("PARHELION_TRUTH_TABLE");
@@ -117,7 +131,7 @@ std::string why_skipped(const TruthScene& scene) {
 
 TruthStage set_up(LoadedScene loaded, const CameraView& camera) {
     shared_device();  // outlives the stages
-    TruthStage out{.stage = std::make_unique<Stage>(std::move(loaded.scene)), .scripted_edits = std::move(loaded.scripted_edits), .camera = camera};
+    TruthStage out{.stage = std::make_unique<Stage>(std::move(loaded.scene), SceneGpuOptions(), FrameOptions{.timers = Timers::None, .markers = false}), .scripted_edits = std::move(loaded.scripted_edits), .camera = camera};
     const gpu::DevicePtr& device = shared_device();
     out.way = gpu::device_class(device->caps()).way;
     out.stage->scene_gpu.finish(out.stage->frame);
@@ -126,20 +140,22 @@ TruthStage set_up(LoadedScene loaded, const CameraView& camera) {
     return out;
 }
 
-TruthStage& truth_stage(const TruthScene& scene) {
+TruthStage& truth_stage(const TruthScene& scene, float least_sun_radius) {
     shared_device();
     static std::string name;
     static TruthStage held;
-    if (name == scene.name) return held;
+    const std::string asked = fmt::format("{} {}", scene.name, least_sun_radius);
+    if (name == asked) return held;
     name.clear();
     held = {};
     LoadedScene loaded = load_scene(is_file(scene) ? assets() + "/" + scene.source : scene.source);
     add_light(loaded.scene, {}, {});
+    widen_suns(loaded.scene, least_sun_radius);
     const CameraView camera = scene.from != scene.at           ? look_at(scene.from, scene.at, glm::radians(scene.fov_degrees))
                               : loaded.scene.cameras().empty() ? framing_view(loaded.scene.bounds(), 1.0f)
                                                                : view_of((*loaded.scene.cameras().begin()).value, 1.0f);
     held = set_up(std::move(loaded), camera);
-    name = scene.name;
+    name = asked;
     return held;
 }
 
@@ -178,17 +194,24 @@ void TruthRun::record(bool last) {
         stage.scene_gpu.finish(stage.frame);
     }
     realtime_.record(stage.frame, stage.scene_gpu, on_.way, view_, last);
-    stage.frame.run();
+    in_flight_.push_back(stage.frame.submit());
+    if (in_flight_.size() < kMostInFlight) return;
+    stage.frame.wait(in_flight_.front());
+    in_flight_.pop_front();
+}
+
+void TruthRun::draw(uint32_t frames) {
+    view_.clear_film();
+    for (uint32_t i = 0; i < frames; ++i) record(i + 1 == frames);
+    for (; !in_flight_.empty(); in_flight_.pop_front()) on_.stage->frame.wait(in_flight_.front());
 }
 
 void TruthRun::skip(uint32_t frames) {
-    view_.clear_film();
-    for (uint32_t i = 0; i < frames; ++i) record(false);
+    draw(frames);
 }
 
 image::ImageF TruthRun::average(uint32_t frames) {
-    view_.clear_film();
-    for (uint32_t i = 0; i < frames; ++i) record(i + 1 == frames);
+    draw(frames);
     const ViewDesc& desc = view_.desc();
     return image::resolve_film(make_film_sums(view_.read_film(on_.stage->frame), {desc.width, desc.height}, {0, frames}, {}));
 }
@@ -204,12 +227,12 @@ std::vector<float> luminance(const image::ImageF& picture, size_t first_channel)
     return out;
 }
 
-void add_run(ClassRuns& runs, const image::ImageF& picture) {
+void add_run(ClassRuns& runs, const image::ImageF& picture, uint32_t tile_size) {
     constexpr std::string_view kPrefix = "path.";
     for (size_t c = 0; c + 2 < picture.channels.size(); c += 3) {
         std::string name = picture.channels[c] == "R" ? "picture" : picture.channels[c].substr(0, picture.channels[c].size() - 2);
         if (name.starts_with(kPrefix)) name.erase(0, kPrefix.size());
-        runs.try_emplace(std::move(name), picture.width, picture.height).first->second.add_run(luminance(picture, c));
+        runs.try_emplace(std::move(name), picture.width, picture.height, tile_size).first->second.add_run(luminance(picture, c));
     }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 // What the tests of ./dev truth share: scenes, runs of the realtime renderer with a history of their own, and the table that they fill.
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -66,8 +67,9 @@ struct TruthStage {
     gpu::TraceWay way{};    // the device's own choice
     float exposure = 1.0f;  // metered from this camera
 };
-// The last one stays for who asks for the same again. Files without any light get the clear sky.
-TruthStage& truth_stage(const TruthScene& scene);
+// The last one stays for who asks for the same again. Files without any light get the clear sky. Suns get at least this radius (radians): where paths find
+// one in a curved mirror by chance, its true disc is found by one path of a billion, which then makes all of a class' mean.
+TruthStage& truth_stage(const TruthScene& scene, float least_sun_radius = 0.0f);
 TruthStage set_up(LoadedScene loaded, const CameraView& camera);
 // Empty if the scene is to be tested here, else why not.
 std::string why_skipped(const TruthScene& scene);
@@ -94,16 +96,18 @@ public:
 
 private:
     void record(bool last);
+    void draw(uint32_t frames);
 
     TruthStage& on_;
     View view_;
     Realtime realtime_;
+    std::deque<gpu::Ticket> in_flight_;  // the host records ahead of the device
 };
 
 std::vector<float> luminance(const image::ImageF& picture, size_t first_channel = 0);
 // Runs of one estimator: of the beauty ("picture") and each class ("direct_diffuse", ...).
 using ClassRuns = std::map<std::string, Runs>;
-void add_run(ClassRuns& runs, const image::ImageF& picture);
+void add_run(ClassRuns& runs, const image::ImageF& picture, uint32_t tile_size = Runs::kTileSize);
 
 class TruthTest : public GpuTest {
 protected:

@@ -17,6 +17,10 @@ struct ReusePush {
     uint64_t view, reservoirs, history, diffuse, specular;
     shared::ReuseFrame frame;
 };
+struct DuplicatesPush {
+    uint64_t view, reservoirs, block;
+    uint32_t set;
+};
 struct TellPush {
     uint64_t view, reservoirs, told;
     shared::ReuseFrame frame;
@@ -94,6 +98,15 @@ void reuse_before(const ReusePass& pass) {
             .read_write("specular", pass.signals.specular)
             .push(ReusePush{.frame = pass.settings});
     kernel.over(pass.gbuffer.identity.extent());
+}
+
+void show_duplicates(const ReusePass& pass) {
+    pass.frame.compute("reuse/duplicates")
+        .read("view", pass.film.view)
+        .read("reservoirs", pass.state.reservoirs)
+        .read_write("block", pass.film.block)
+        .push(DuplicatesPush{.set = pass.settings.set})
+        .over(pass.gbuffer.identity.extent());
 }
 
 void tell_partners(const ReusePass& pass) {

@@ -31,6 +31,7 @@ struct ReusePass {
 };
 
 void reuse_before(const ReusePass& pass);  // temporal
+void show_duplicates(const ReusePass& pass);  // of what the next frame starts from: the layer debug.duplicates
 void tell_partners(const ReusePass& pass);  // spatial: what pixels around must know
 // What a band's pixels make of it: lists of those that are to be lit, and ChosenSample[slots] in the place of the paths' offers.
 void choose_samples(const ReusePass& pass, const LightPaths& paths);
