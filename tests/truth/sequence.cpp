@@ -76,10 +76,9 @@ struct Played {
 };
 
 image::ImageF draw(TruthStage& on, const CameraView& camera, uint32_t size, uint32_t samples) {
-    const uint32_t slice = std::clamp((1u << 22) / (size * size), 1u, 64u);
     ViewDesc desc = truth_view(on, size, 5, false);
     desc.filter = PixelFilter::Box;
-    return on.stage->picture({.way = on.way, .view = desc, .camera = camera, .sample_count = samples, .slice_samples = slice});
+    return draw_paths(on, desc, camera, samples);
 }
 
 image::ImageF reference_of(TruthStage& on, const CameraView& camera, uint32_t size, uint32_t samples, const std::string& name) {

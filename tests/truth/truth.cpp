@@ -171,12 +171,18 @@ RealtimeOptions truth_options(const TruthStage& on, bool cache) {
     return {.reuse = reuse == "none" ? RealtimeReuse::None : RealtimeReuse::Full, .reuse_options = {.adapt_confidence = reuse != "history"}, .cache = cache, .exposure = on.exposure};
 }
 
+image::ImageF draw_paths(TruthStage& on, const ViewDesc& view, const CameraView& camera, uint32_t samples) {
+    // A slice's paths are at most as many as the wavefront has slots.
+    const uint32_t slice = std::clamp(kMaxWavefrontSlots / (view.width * view.height), 1u, 64u);
+    Shot shot{.way = on.way, .view = view, .camera = camera, .sample_count = samples, .slice_samples = slice, .rounds = 24};
+    if (!small_truth()) shot.wavefront = WavefrontOptions{.sample_bytes = uint64_t{1} << 30};
+    return on.stage->picture(shot);
+}
+
 image::ImageF draw_reference(TruthStage& on, uint32_t size, uint32_t seed, uint32_t samples, bool classes) {
     CameraView pinhole = on.camera;
     pinhole.lens_radius = 0.0f;
-    // A CPU takes the same time in any slices; a GPU should not be held for longer than a few tenths of a second.
-    const uint32_t slice = std::clamp((1u << 22) / (size * size), 1u, 64u);
-    return on.stage->picture({.way = on.way, .view = truth_view(on, size, seed, classes), .camera = pinhole, .sample_count = samples, .slice_samples = slice});
+    return draw_paths(on, truth_view(on, size, seed, classes), pinhole, samples);
 }
 
 TruthRun::TruthRun(TruthStage& on, uint32_t size, uint32_t seed, const RealtimeOptions& options, bool classes) : TruthRun(on, truth_view(on, size, seed, classes), options) {}

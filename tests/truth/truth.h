@@ -79,6 +79,8 @@ std::string why_skipped(const TruthScene& scene);
 // Pinhole, pixel centres, no clamp, 16 scatterings: what the realtime renderer and its paired reference are drawn with.
 ViewDesc truth_view(const TruthStage& on, uint32_t size, uint32_t seed, bool classes);
 RealtimeOptions truth_options(const TruthStage& on, bool cache);
+// By the reference's paths: on a GPU its wavefront draws them, which is faster and has the same pictures (tests/render/wavefront_equality_test.cpp).
+image::ImageF draw_paths(TruthStage& on, const ViewDesc& view, const CameraView& camera, uint32_t samples);
 image::ImageF draw_reference(TruthStage& on, uint32_t size, uint32_t seed, uint32_t samples, bool classes = false);
 
 // A run of the realtime renderer: its own seed, its own history.
