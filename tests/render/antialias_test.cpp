@@ -104,5 +104,42 @@ TEST_F(Antialiasing, edges_that_stand_still_are_those_of_a_box) {
     }
 }
 
+// Hundreds of things to a few pixels, of which some shine: each frame's rays meet others of them, and what a ray meets once does not fill its pixel.
+TEST_F(Antialiasing, lamps_smaller_than_pixels_do_not_flash) {
+    constexpr int kAcross = 60;  // stones, three to a pixel
+    constexpr float kLampNits = 100.0f;
+    SceneEdit edit;
+    add_wall(edit);
+    const Handle<Material> dark = shining(edit, kWallNits), lamp = shining(edit, kLampNits);
+    const float side = kPixel / 3.0f;
+    for (int i = 0; i < kAcross * kAcross; ++i) {
+        Primitive stone;
+        add_quad(stone, {side * static_cast<float>(i % kAcross - kAcross / 2), side * static_cast<float>(i / kAcross - kAcross / 2), 0.01f}, {side, 0, 0}, {0, side, 0});
+        builtin::add_object(edit, "stone", std::move(stone), i % 37 == 0 ? lamp : dark);
+    }
+    Stage stage(make_scene(std::move(edit)));
+    Shot box = shot_of();
+    box.view.filter = PixelFilter::Box;
+    box.view.max_bounces = 0;
+    box.sample_count = 1024;
+    const image::ImageF truth = stage.picture(box);
+    Player player(stage, shot_of(), options_of(1.0));
+    player.skip(32);
+    const auto around = [&](size_t pixel) {
+        double most = 0;
+        for (int i = 0; i < 9; ++i) {
+            const size_t x = pixel % kSize + static_cast<size_t>(i % 3), y = pixel / kSize + static_cast<size_t>(i / 3);
+            if (x >= 1 && y >= 1 && x <= kSize && y <= kSize) most = std::max(most, luminance_of(truth, (y - 1) * kSize + x - 1));
+        }
+        return most;
+    };
+    double brightest = 0;
+    for (int frame = 0; frame < 16; ++frame) {
+        const image::ImageF picture = player.next();
+        for (size_t p = 0; p < picture.pixel_count(); ++p) brightest = std::max(brightest, luminance_of(picture, p) / around(p));
+    }
+    EXPECT_LT(brightest, 5.0);
+}
+
 }  // namespace
 }  // namespace parhelion::testing::antialias_test

@@ -57,6 +57,25 @@ Light lamp_at(float height, float intensity) { return {.intensity = intensity, .
 // 64x64: means of a frame are within 1 % of their own mean.
 Shot shot_from_above() { return {.view = {.width = 64, .height = 64, .filter = PixelFilter::Point}, .camera = camera_from_above(2.0f, 1.0f)}; }
 
+// Fewer lights than eight for each candidate: what the last frame knew is left out; from then on it counts for log2 of how many there are.
+TEST_F(Reuse, the_last_frame_counts_where_there_are_eight_lights_for_each_candidate) {
+    for (const uint32_t lights : {7u, 8u}) {
+        SceneEdit edit;
+        Primitive wall;
+        add_quad(wall, {-2.0f, 0.0f, 2.0f}, {4.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -4.0f});
+        builtin::add_object(edit, "wall", std::move(wall), edit.add(builtin::lambert("wall", glm::vec3(0.5f))));
+        for (uint32_t i = 0; i < lights; ++i) edit.add(lamp_at(0.5f + 0.25f * static_cast<float>(i), 10.0f));
+        Stage stage(make_scene(std::move(edit)));
+        Shot shot = shot_from_above();
+        shot.view.width = shot.view.height = 16;
+        shot.sample_count = 4;
+        const auto draw = [&](const ReuseOptions& reuse) { return image::resolve_film(stage.play(shot, {.reuse = RealtimeReuse::Full, .reuse_options = reuse, .candidates = 1})); };
+        const image::ImageF adapted = draw({}), without = draw({.confidence = 0}), three = draw({.confidence = 3, .adapt_confidence = false});
+        EXPECT_EQ(std::ranges::equal(adapted.data, without.data), lights == 7) << lights;
+        EXPECT_EQ(std::ranges::equal(adapted.data, three.data), lights == 8) << lights;
+    }
+}
+
 // The last frame's samples were of a weaker one, and must not stand in for what is new.
 TEST_F(Reuse, a_lamp_that_is_turned_up_shines_in_the_same_frame) {
     const Light weak = lamp_at(2.0f, 10.0f);

@@ -16,7 +16,7 @@ constexpr double kSignalRounding = 0x1p-15;  // the picture is made of signals o
 constexpr uint32_t kRuns = 32, kPilotRuns = 8;
 constexpr float kSunRadius = 0.0465f;  // ten times the sun's
 // Large pictures and few frames: small ones leave a GPU idle. Tiles are a thousandth of the picture.
-constexpr uint32_t kSize = 512, kTile = 16, kMostFrames = 192, kMostSamples = 64;
+constexpr uint32_t kSize = 512, kTile = 16, kMostFrames = 384, kMostSamples = 128;
 
 // A few bright paths make much of these classes: what a GPU resolves in some seconds.
 struct NoisyClass {
@@ -60,7 +60,7 @@ Needed find_needed(const TruthScene& scene, const ClassRuns& test, const ClassRu
         frames = std::max(frames, t.variance * scale), samples = std::max(samples, r.variance * scale);
     }
     const auto rounded = [](double count, uint32_t most) { return static_cast<uint32_t>(std::min<double>(most * truth_effort(), 8 * std::ceil(count / 8))); };
-    return {rounded(frames, by_size(kMostFrames, 64u)), rounded(std::max(frames, samples), kMostSamples)};
+    return {rounded(frames, by_size(kMostFrames, 64u)), rounded(std::max(frames, samples), by_size(kMostSamples, 64u))};
 }
 
 void report_class(const TruthScene& scene, const EqualityCase& of, const std::string& name, const Runs& test, const Runs& reference, double light, uint32_t frames) {

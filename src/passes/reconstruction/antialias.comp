@@ -4,7 +4,7 @@
 // where none of them is around, or was there in the last frame, it goes. One that does not fit the light that the frame shows around is drawn back
 // to it; where only details are missing, which one frame's few rays may miss, it stays for some frames. Karis 2014; Salvi 2016 (variance clipping);
 // Jimenez 2016, "Filmic SMAA" (Catmull-Rom history); Yang, Liu, Salvi 2020, "A Survey of Temporal Antialiasing Techniques" (upscaling by weights that
-// add up over time); AMD 2022, "FidelityFX Super Resolution 2" (locks of thin features; disocclusion by geometry). Papers: docs/papers.md.
+// add up over time); AMD 2022, "FidelityFX Super Resolution 2" (locks of thin features; disocclusion by geometry): docs/papers.md.
 // Reads: view, motion, guide, state, colors, history, shown_before. Writes: picture and shown (the next frame's history). Reads and writes: block.
 #extension GL_GOOGLE_include_directive : require
 #include "reconstruction/compared.glsl"
@@ -54,7 +54,8 @@ bool is_rendered(ivec2 at) { return all(greaterThanEqual(at, ivec2(0))) && all(l
 
 uint state_of(ivec2 at) { return push.state.v[kStateFrames * push.rendered.x * push.rendered.y + rendered_pixel(at)]; }
 // Its surface was nowhere in the last frame, or its light has changed so fast that no history is worth anything.
-bool is_fresh(uint state) { return state >> 16 != 0u && max(state & 255u, state >> 8 & 255u) <= 4u; }
+bool is_fresh(uint state) { return state >> 16 != 0u && max(state & 255u, state >> 8 & 255u) <= kStateFresh; }
+bool is_outrun(uint state) { return min(state & 255u, state >> 8 & 255u) == kStateOutrun; }
 
 // 0: stands still, or was in no frame; 1: moves by half a pixel of the picture or more.
 float moves(vec2 moved_px) { return push.has_history != 0u ? min(2.0 * length(moved_px), 1.0) : 0.0; }
@@ -67,15 +68,15 @@ struct Frame {
     vec3 light;            // plain mean
     Neighbourhood roots;
     ivec2 nearest;         // pixel of the nearest surface
-    float fresh;           // pixels without a past
-    Shown here, known;     // their surfaces, and those of pixels with a past
+    float fresh, outrun;   // pixels without a past; those of them whose light has changed
+    Shown here, known;     // surfaces, and those of pixels with a past
     uvec2 surfaces;        // that `color` is made of: most of it, and most of the rest
 };
 Frame look(vec2 at_px, vec2 ratio) {
     const ivec2 middle = ivec2(floor(at_px));
     // As wide as the picture's own pixels where it stands still and there is time to meet each; in motion by the frame's, of which all get something.
     const vec2 sharpness = push.sharpness * mix(ratio / kStillWidth, vec2(1.0), moves(imageLoad(motion, middle).xy * ratio));
-    Frame f = Frame(vec3(0.0), 0.0, vec3(0.0), vec3(0.0), kNoNeighbourhood, middle, 0.0, kNothingShown, kNothingShown, uvec2(kNoSurface));
+    Frame f = Frame(vec3(0.0), 0.0, vec3(0.0), vec3(0.0), kNoNeighbourhood, middle, 0.0, 0.0, kNothingShown, kNothingShown, uvec2(kNoSurface));
     float nearest = uintBitsToFloat(0x7F800000u), around = 0.0;
     vec2 most = vec2(0.0);
     for (int i = 0; i < 9; ++i) {
@@ -92,7 +93,7 @@ Frame look(vec2 at_px, vec2 ratio) {
         add(f.roots, to_compared(color));
         const uint state = state_of(at), surface = short_number(state >> 16);
         add(f.here, i, surface);
-        if (is_fresh(state)) f.fresh += 1.0;
+        if (is_fresh(state)) f.fresh += 1.0, f.outrun += float(is_outrun(state));
         else add(f.known, i, surface);
         note(f.surfaces, most, surface, wide);
         if (depth < nearest) {
@@ -155,9 +156,10 @@ bool has_left(Frame f, uvec2 surfaces, vec2 now_px, vec2 moved_px, vec2 size, ve
     return false;
 }
 
-// How far a pixel of the history is of surfaces that are around and were there in the last frame. Where something moves what is not is hardly missed.
+// How far a pixel of the history is of surfaces that are around and were there in the last frame. Where something moves what is not is hardly missed; where
+// nothing does, things smaller than pixels come and go by chance.
 float fits(Frame f, uvec2 surfaces, bool moved, bool left) {
-    if (!has(f.known, surfaces.x) && (surfaces.y == kNoSurface || !has(f.known, surfaces.y))) return 0.0;
+    if (!has(f.known, surfaces.x) && (surfaces.y == kNoSurface || !has(f.known, surfaces.y))) return moved || left ? 0.0 : 1.0;
     if (is_whole(f, surfaces)) return 1.0;
     return left ? 0.0 : !moved ? 1.0 : has(f.here, surfaces.x) ? kLeftShare : 0.0;
 }
@@ -180,13 +182,14 @@ float read_fitting(Frame f, vec2 at_px, vec2 size, bool moved, bool left, out ve
     return fitting;
 }
 
-Past recall(Frame f, vec2 now_px, vec2 moved_px, vec2 size, vec2 ratio, uint random_bit) {
+Past recall(Frame f, bool is_new, vec2 now_px, vec2 moved_px, vec2 size, vec2 ratio, uint random_bit) {
     const vec2 before_px = now_px + moved_px;
     const Worth kept = unpack_worth(texelFetch(history, ivec2(before_px), 0).a, push.frames);
     const float moving = moves(moved_px);
     Past past = kNoPast;
     past.surfaces = surfaces_before(before_px, size);
     const bool moved = moving > kMoves || kept.moved, left = moving <= kMoves && !is_whole(f, past.surfaces) && has_left(f, past.surfaces, now_px, moved_px, size, ratio);
+    if (is_new && (moved || left || 2.0 * f.outrun > f.fresh)) return kNoPast;
     const float fitting = read_fitting(f, before_px, size, moved, left, past.color);
     if (fitting <= 0.0) return kNoPast;
     past.frames = min(kept.frames, push.frames * mix(1.0, kMovingShare, moving)) * fitting;
@@ -234,8 +237,8 @@ void main() {
         const vec2 moved_px = imageLoad(motion, f.nearest).xy * ratio, before_px = vec2(id) + 0.5 + moved_px;
         Past past = kNoPast;
         const bool is_new = is_fresh(state_of(f.nearest)) && 2.0 * f.fresh > f.roots.count;  // not so a wire that some frames miss
-        if (push.has_history != 0u && !is_new && all(greaterThan(before_px, vec2(0.0))) && all(lessThan(before_px, size)))
-            past = recall(f, vec2(id) + 0.5, moved_px, size, ratio, random.w >> 31);
+        if (push.has_history != 0u && all(greaterThan(before_px, vec2(0.0))) && all(lessThan(before_px, size)))
+            past = recall(f, is_new, vec2(id) + 0.5, moved_px, size, ratio, random.w >> 31);
         const float spatial = kSpatial * max(1.0 - past.frames / kSure, 0.0);
         color = (past.color * past.frames + f.color + f.around * spatial) / max(past.frames + f.weight + spatial, 1e-6);
         worth = Worth(min(past.frames + f.weight + spatial, push.frames), past.misses, moves(moved_px) > kMoves);
