@@ -24,7 +24,7 @@ enum class ReservoirSets : uint32_t { Unified, Split };
 struct ReuseOptions {
     ReservoirSets sets = ReservoirSets::Unified;
     uint32_t confidence = 8;   // frames that what the last frame knew counts for at most; 0: no temporal reuse
-    bool adapt_confidence = true;  // at most as much as lights call for: log2 of how many there are for each candidate
+    bool adapt_confidence = true;  // at most as much as lights call for: log2 of how many there are for each candidate, and not at all below 3
     bool adapt_offers = true;      // where lights are many: four times the candidates, later two times, and two neighbours at least
     uint32_t neighbours = 1;   // pixels around whose samples are taken; 0: no spatial reuse
     float radius = 30.0f;      // pixels that these are off at most, along each axis

@@ -40,9 +40,11 @@ TEST_P(RealtimeFireflies, no_pixel_is_ten_times_too_bright_and_no_light_is_lost_
     RealtimeOptions reconstructed = truth_options(on, true), unbounded = reconstructed;
     reconstructed.reconstruction = ReconstructionOptions();
     unbounded.reconstruction = ReconstructionOptions{.firefly = 0.0f, .clamp_width = 0.0f};
+    CameraView pinhole = on.camera;
+    pinhole.lens_radius = 0.0f;
     ViewDesc whole_pixels = truth_view(on, picture_size(), 5, false);
     whole_pixels.filter = PixelFilter::Box;  // as anti-aliasing shows them: lamps smaller than a pixel lie between the centres
-    const std::vector<float> reference = luminance(draw_paths(on, whole_pixels, on.camera, by_size(4096u, 256u)));
+    const std::vector<float> reference = luminance(draw_paths(on, whole_pixels, pinhole, by_size(4096u, 256u)));
     const std::vector<float> around = brightest_around(reference, picture_size());
     const double mean = mean_of(reference);
     TruthRun run(on, picture_size(), 1, reconstructed), beside(on, picture_size(), 1, unbounded);

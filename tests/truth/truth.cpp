@@ -206,18 +206,14 @@ void TruthRun::record(bool last) {
     in_flight_.pop_front();
 }
 
-void TruthRun::draw(uint32_t frames) {
+void TruthRun::skip(uint32_t frames) {
     view_.clear_film();
     for (uint32_t i = 0; i < frames; ++i) record(i + 1 == frames);
     for (; !in_flight_.empty(); in_flight_.pop_front()) on_.stage->frame.wait(in_flight_.front());
 }
 
-void TruthRun::skip(uint32_t frames) {
-    draw(frames);
-}
-
 image::ImageF TruthRun::average(uint32_t frames) {
-    draw(frames);
+    skip(frames);
     const ViewDesc& desc = view_.desc();
     return image::resolve_film(make_film_sums(view_.read_film(on_.stage->frame), {desc.width, desc.height}, {0, frames}, {}));
 }

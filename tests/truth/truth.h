@@ -98,7 +98,6 @@ public:
 
 private:
     void record(bool last);
-    void draw(uint32_t frames);
 
     TruthStage& on_;
     View view_;

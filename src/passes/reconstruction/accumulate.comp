@@ -151,14 +151,14 @@ void sum_tile(uint thread) {
     push.tiles.v[gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x] = ChangeTile(diffuse, specular, told[8][0]);
 }
 
-void keep(uint pixel, uint plane, uvec2 id, Signal diffuse, Signal specular, uint surface, bool found) {
+void keep(uint pixel, uint plane, uvec2 id, Signal diffuse, Signal specular, uint surface, vec2 worth) {
     const uvec4 random = pcg4d(uvec4(id, push.frame.frame_index, 0x5245434Fu));
     push.diffuse_now.v[pixel] = pack_half_light(dither_half(vec4(diffuse.light, diffuse.deviation), random));
     push.specular_now.v[pixel] = pack_half_light(dither_half(vec4(specular.light, specular.deviation), random >> 16));
     push.state.v[kStateFast * plane + pixel] = packHalf2x16(min(vec2(diffuse.fast, specular.fast), vec2(kMostHalf)));
     push.state.v[kStateHits * plane + pixel] = packHalf2x16(min(vec2(diffuse.hit, specular.hit), vec2(kMostHalf)));
     uvec2 frames = uvec2(round(vec2(diffuse.frames, specular.frames) * 4.0));
-    if (found) frames = mix(frames, uvec2(kStateOutrun), equal(frames, uvec2(kStateFresh)));
+    for (int i = 0; i < 2; ++i) frames[i] = frames[i] == kStateFresh && worth[i] <= 1.0 ? kStateOutrun : frames[i];
     push.state.v[kStateFrames * plane + pixel] = frames.x | frames.y << 8 | surface << 16;
 }
 
@@ -194,13 +194,12 @@ void main() {
             find_reflection(view, ivec2(id), position_ws, film_px, before_px, s, here, hits.y, specular);
             change = find_change(view, before_px);
         }
-        const bool found = max(diffuse.frames, specular.frames) > 0.0;
         push.guide.v[pixel] = packed_guide;
         push.normals.v[pixel] = normal;
-        keep(pixel, plane, id, advance(diffuse, diffuse_now, hits.x, change.worth.x), advance(specular, specular_now, hits.y, change.worth.y), surface, found);
+        keep(pixel, plane, id, advance(diffuse, diffuse_now, hits.x, change.worth.x), advance(specular, specular_now, hits.y, change.worth.y), surface, change.worth);
     } else if (id.x < view.width && id.y < view.height) {
         push.guide.v[pixel] = uvec2(0x7F800000u, 0u);
-        keep(pixel, plane, id, kNoSignal, kNoSignal, 0u, false);
+        keep(pixel, plane, id, kNoSignal, kNoSignal, 0u, change.worth);
     }
     tell(thread, 0u, diffuse, luminance(diffuse_now), change.drift.x);
     tell(thread, 4u, specular, luminance(specular_now), change.drift.y);

@@ -1,14 +1,13 @@
 #version 460
 // Temporal anti-aliasing, and upscaling where the picture has more pixels than were rendered: each frame's pixels look elsewhere through the
 // picture's, whose histories add them up, and are looked for where the nearest surface around was. A history knows which surfaces it is made of:
-// where none of them is around, or was there in the last frame, it goes. One that does not fit the light that the frame shows around is drawn back
+// where none of them is around, or was there in the last frame, it goes, but for still heaps of things smaller than pixels. One that does not fit the light that the frame shows around is drawn back
 // to it; where only details are missing, which one frame's few rays may miss, it stays for some frames. Karis 2014; Salvi 2016 (variance clipping);
 // Jimenez 2016, "Filmic SMAA" (Catmull-Rom history); Yang, Liu, Salvi 2020, "A Survey of Temporal Antialiasing Techniques" (upscaling by weights that
 // add up over time); AMD 2022, "FidelityFX Super Resolution 2" (locks of thin features; disocclusion by geometry): docs/papers.md.
-// Reads: view, motion, guide, state, colors, history, shown_before. Writes: picture and shown (the next frame's history). Reads and writes: block.
+// Reads: view, motion, guide, state, colors, history, shown_before. Writes: picture and shown (the next history). Reads and writes: block.
 #extension GL_GOOGLE_include_directive : require
 #include "reconstruction/compared.glsl"
-#include "reconstruction/cubic.glsl"
 #include "reconstruction/half_light.glsl"
 #include "reconstruction/shown.glsl"
 #include "lib/hash.glsl"
@@ -69,6 +68,7 @@ struct Frame {
     Neighbourhood roots;
     ivec2 nearest;         // pixel of the nearest surface
     float fresh, outrun;   // pixels without a past; those of them whose light has changed
+    float in_a_row;        // pixels that show what the one before shows
     Shown here, known;     // surfaces, and those of pixels with a past
     uvec2 surfaces;        // that `color` is made of: most of it, and most of the rest
 };
@@ -76,8 +76,9 @@ Frame look(vec2 at_px, vec2 ratio) {
     const ivec2 middle = ivec2(floor(at_px));
     // As wide as the picture's own pixels where it stands still and there is time to meet each; in motion by the frame's, of which all get something.
     const vec2 sharpness = push.sharpness * mix(ratio / kStillWidth, vec2(1.0), moves(imageLoad(motion, middle).xy * ratio));
-    Frame f = Frame(vec3(0.0), 0.0, vec3(0.0), vec3(0.0), kNoNeighbourhood, middle, 0.0, 0.0, kNothingShown, kNothingShown, uvec2(kNoSurface));
+    Frame f = Frame(vec3(0.0), 0.0, vec3(0.0), vec3(0.0), kNoNeighbourhood, middle, 0.0, 0.0, 0.0, kNothingShown, kNothingShown, uvec2(kNoSurface));
     float nearest = uintBitsToFloat(0x7F800000u), around = 0.0;
+    uint last = kNoSurface;
     vec2 most = vec2(0.0);
     for (int i = 0; i < 9; ++i) {
         const ivec2 at = middle + ivec2(i % 3, i / 3) - 1;
@@ -93,6 +94,8 @@ Frame look(vec2 at_px, vec2 ratio) {
         add(f.roots, to_compared(color));
         const uint state = state_of(at), surface = short_number(state >> 16);
         add(f.here, i, surface);
+        f.in_a_row += float(surface == last);
+        last = surface;
         if (is_fresh(state)) f.fresh += 1.0, f.outrun += float(is_outrun(state));
         else add(f.known, i, surface);
         note(f.surfaces, most, surface, wide);
@@ -106,21 +109,7 @@ Frame look(vec2 at_px, vec2 ratio) {
     return f;
 }
 
-// Catmull and Rom 1974 over the 16 texels around, without the corners, by five bilinear taps.
-vec3 read_history(vec2 at_px, vec2 size) {
-    const vec2 base = floor(at_px - 0.5) + 0.5, f = at_px - base;
-    const vec4 wx = catmull_rom(f.x), wy = catmull_rom(f.y);
-    const vec2 w0 = vec2(wx[0], wy[0]), w1 = vec2(wx[1], wy[1]), w2 = vec2(wx[2], wy[2]), w3 = vec2(wx[3], wy[3]);
-    const vec2 w12 = w1 + w2, at0 = (base - 1.0) / size, at12 = (base + w2 / w12) / size, at3 = (base + 2.0) / size;
-    vec3 sum = textureLod(history, at12, 0.0).rgb * (w12.x * w12.y);
-    float weight = w12.x * w12.y;
-    const vec3 sides[4] = vec3[](vec3(at12.x, at0.y, w12.x * w0.y), vec3(at0.x, at12.y, w0.x * w12.y), vec3(at3.x, at12.y, w3.x * w12.y), vec3(at12.x, at3.y, w12.x * w3.y));
-    for (int i = 0; i < 4; ++i) {
-        sum += textureLod(history, sides[i].xy, 0.0).rgb * sides[i].z;
-        weight += sides[i].z;
-    }
-    return max(sum / weight, vec3(0.0)) * push.exposure_scale;
-}
+#include "reconstruction/read_picture.glsl"
 
 // The history around, as far as the frame's pixels around reach.
 Neighbourhood look_back(vec3 middle, vec2 at_px, vec2 size, vec2 ratio) {
@@ -138,6 +127,8 @@ struct Past {
 };
 const Past kNoPast = Past(vec3(0.0), 0.0, 0.0, uvec2(kNoSurface));
 
+// Of things smaller than pixels, which come and go by chance where nothing moves.
+bool is_scattered(Frame f) { return f.in_a_row <= 3.0; }
 // All that a pixel of the history is made of is around.
 bool is_whole(Frame f, uvec2 surfaces) { return has(f.here, surfaces.x) && (surfaces.y == kNoSurface || has(f.here, surfaces.y)); }
 
@@ -156,10 +147,9 @@ bool has_left(Frame f, uvec2 surfaces, vec2 now_px, vec2 moved_px, vec2 size, ve
     return false;
 }
 
-// How far a pixel of the history is of surfaces that are around and were there in the last frame. Where something moves what is not is hardly missed; where
-// nothing does, things smaller than pixels come and go by chance.
+// How far a pixel of the history is of surfaces that are around and were there in the last frame. Where something moves what is not is hardly missed.
 float fits(Frame f, uvec2 surfaces, bool moved, bool left) {
-    if (!has(f.known, surfaces.x) && (surfaces.y == kNoSurface || !has(f.known, surfaces.y))) return moved || left ? 0.0 : 1.0;
+    if (!has(f.known, surfaces.x) && (surfaces.y == kNoSurface || !has(f.known, surfaces.y))) return moved || left || !is_scattered(f) ? 0.0 : 1.0;
     if (is_whole(f, surfaces)) return 1.0;
     return left ? 0.0 : !moved ? 1.0 : has(f.here, surfaces.x) ? kLeftShare : 0.0;
 }
@@ -189,7 +179,7 @@ Past recall(Frame f, bool is_new, vec2 now_px, vec2 moved_px, vec2 size, vec2 ra
     Past past = kNoPast;
     past.surfaces = surfaces_before(before_px, size);
     const bool moved = moving > kMoves || kept.moved, left = moving <= kMoves && !is_whole(f, past.surfaces) && has_left(f, past.surfaces, now_px, moved_px, size, ratio);
-    if (is_new && (moved || left || 2.0 * f.outrun > f.fresh)) return kNoPast;
+    if (is_new && (moved || left || !is_scattered(f) || 2.0 * f.outrun > f.fresh)) return kNoPast;
     const float fitting = read_fitting(f, before_px, size, moved, left, past.color);
     if (fitting <= 0.0) return kNoPast;
     past.frames = min(kept.frames, push.frames * mix(1.0, kMovingShare, moving)) * fitting;
@@ -230,9 +220,8 @@ void main() {
     vec3 color;
     Worth worth = Worth(0.0, 0.0, false);
     uvec2 surfaces = uvec2(kNoSurface);
-    if (push.frames <= 0.0) {
-        color = unpack_half_light(push.colors.v[rendered_pixel(ivec2(at_px))]).rgb;
-    } else {
+    if (push.frames <= 0.0) color = unpack_half_light(push.colors.v[rendered_pixel(ivec2(at_px))]).rgb;
+    else {
         const Frame f = look(at_px, ratio);
         const vec2 moved_px = imageLoad(motion, f.nearest).xy * ratio, before_px = vec2(id) + 0.5 + moved_px;
         Past past = kNoPast;
