@@ -14,8 +14,8 @@ SHARED_CONST uint kStateFast = 0u;    // half2: luminance over the last few fram
 SHARED_CONST uint kStateHits = 1u;    // half2: metres to what the paths met after the surface, diffuse and specular; 0: not known
 SHARED_CONST uint kStateFrames = 2u;  // quarters of frames that the two signals' histories are worth (8 bits each), then the surface's id (16 bits; 0: sky)
 SHARED_CONST uint kStatePlanes = 3u;
-// Lengths of histories that begin with this frame: because the last one did not show the surface, or showed it in a light that has changed since. (That the
-// next frame takes the second one for three quarters of a frame does no harm.)
+// Lengths of histories that begin with this frame: because the last one did not show the surface, or showed it in a light that has changed since. (The next
+// frame takes the second one for three quarters of a frame.)
 SHARED_CONST uint kStateFresh = 4u;
 SHARED_CONST uint kStateOutrun = 3u;
 

@@ -24,6 +24,15 @@ void add_wall(SceneEdit& edit) {
 Shot shot_of() { return {.view = {.width = kSize, .height = kSize, .seed = 1, .max_bounces = 1, .filter = PixelFilter::Point}, .camera = look_at({0, 0, kDistance}, glm::vec3(0.0f), kYfov)}; }
 RealtimeOptions options_of(double upscale) { return {.tiles = false, .cache = false, .exposure = 1.0f, .reconstruction = ReconstructionOptions(), .upscale = upscale}; }
 
+// What pixels show whose boxes are sampled all over.
+image::ImageF box_picture(Stage& stage) {
+    Shot box = shot_of();
+    box.view.filter = PixelFilter::Box;
+    box.view.max_bounces = 0;
+    box.sample_count = 1024;
+    return stage.picture(box);
+}
+
 using Antialiasing = GpuTest;
 
 // Chequers of three pixels, so that the light around admits much: as bright as the wall, and a quarter of it.
@@ -82,11 +91,7 @@ TEST_F(Antialiasing, edges_that_stand_still_are_those_of_a_box) {
         builtin::add_object(edit, "board", std::move(board), shining(edit, 1.0f));
     }
     Stage stage(make_scene(std::move(edit)));
-    Shot box = shot_of();
-    box.view.filter = PixelFilter::Box;
-    box.view.max_bounces = 0;
-    box.sample_count = 1024;
-    const image::ImageF truth = stage.picture(box);
+    const image::ImageF truth = box_picture(stage);
     for (const double upscale : {1.0, 2.0}) {
         Player player(stage, shot_of(), options_of(upscale));
         player.skip(31);
@@ -118,11 +123,7 @@ TEST_F(Antialiasing, lamps_smaller_than_pixels_do_not_flash) {
         builtin::add_object(edit, "stone", std::move(stone), i % 37 == 0 ? lamp : dark);
     }
     Stage stage(make_scene(std::move(edit)));
-    Shot box = shot_of();
-    box.view.filter = PixelFilter::Box;
-    box.view.max_bounces = 0;
-    box.sample_count = 1024;
-    const image::ImageF truth = stage.picture(box);
+    const image::ImageF truth = box_picture(stage);
     Player player(stage, shot_of(), options_of(1.0));
     player.skip(32);
     const auto around = [&](size_t pixel) {

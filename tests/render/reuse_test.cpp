@@ -45,7 +45,7 @@ TEST_F(Reuse, pictures_do_not_depend_on_how_many_paths_are_traced_at_a_time_and_
 constexpr RealtimeOptions kWithHistory{.reuse = RealtimeReuse::Full, .reuse_options = {.adapt_confidence = false}};
 
 // A wall of 4 m, lit from above.
-Stage make_lit_wall(std::initializer_list<Light> lights) {
+Stage make_lit_wall(const std::vector<Light>& lights) {
     SceneEdit edit;
     Primitive wall;
     add_quad(wall, {-2.0f, 0.0f, 2.0f}, {4.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -4.0f});
@@ -60,12 +60,9 @@ Shot shot_from_above() { return {.view = {.width = 64, .height = 64, .filter = P
 // Fewer lights than eight for each candidate: what the last frame knew is left out; from then on it counts for log2 of how many there are.
 TEST_F(Reuse, the_last_frame_counts_where_there_are_eight_lights_for_each_candidate) {
     for (const uint32_t lights : {7u, 8u}) {
-        SceneEdit edit;
-        Primitive wall;
-        add_quad(wall, {-2.0f, 0.0f, 2.0f}, {4.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -4.0f});
-        builtin::add_object(edit, "wall", std::move(wall), edit.add(builtin::lambert("wall", glm::vec3(0.5f))));
-        for (uint32_t i = 0; i < lights; ++i) edit.add(lamp_at(0.5f + 0.25f * static_cast<float>(i), 10.0f));
-        Stage stage(make_scene(std::move(edit)));
+        std::vector<Light> lamps;
+        for (uint32_t i = 0; i < lights; ++i) lamps.push_back(lamp_at(0.5f + 0.25f * static_cast<float>(i), 10.0f));
+        Stage stage = make_lit_wall(lamps);
         Shot shot = shot_from_above();
         shot.view.width = shot.view.height = 16;
         shot.sample_count = 4;

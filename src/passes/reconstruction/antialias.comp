@@ -1,8 +1,8 @@
 #version 460
 // Temporal anti-aliasing, and upscaling where the picture has more pixels than were rendered: each frame's pixels look elsewhere through the
 // picture's, whose histories add them up, and are looked for where the nearest surface around was. A history knows which surfaces it is made of:
-// where none of them is around, or was there in the last frame, it goes, but for still heaps of things smaller than pixels. One that does not fit the light that the frame shows around is drawn back
-// to it; where only details are missing, which one frame's few rays may miss, it stays for some frames. Karis 2014; Salvi 2016 (variance clipping);
+// where none of them is around, or was there in the last frame, it goes, but for still heaps of things smaller than pixels. One that does not fit
+// the light that the frame shows around is drawn back to it; where only details are missing, which one frame's few rays may miss, it stays for some frames. Karis 2014; Salvi 2016 (variance clipping);
 // Jimenez 2016, "Filmic SMAA" (Catmull-Rom history); Yang, Liu, Salvi 2020, "A Survey of Temporal Antialiasing Techniques" (upscaling by weights that
 // add up over time); AMD 2022, "FidelityFX Super Resolution 2" (locks of thin features; disocclusion by geometry): docs/papers.md.
 // Reads: view, motion, guide, state, colors, history, shown_before. Writes: picture and shown (the next history). Reads and writes: block.
