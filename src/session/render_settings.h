@@ -72,7 +72,7 @@ void visit_reconstruction(V&& v, ReconstructionOptions& s) {
     v.field("reconstruction.history", s.history, range(1, shared::kMostFrames), "frames that a pixel's light is the running mean of, at most");
     v.field("reconstruction.fast_history", s.fast_history, range(1, shared::kMostFrames), "those of the fast mean that the slow one is held against");
     v.field("reconstruction.steps", s.steps, range(0, 8), "steps of the spatial filter, each twice as wide as the one before; 0: none");
-    v.field("reconstruction.sigmas", s.sigmas, range(0.01, 100), "standard deviations that the light of neighbours may differ by in the spatial filter");
+    v.field("reconstruction.sigmas", s.sigmas, range(0.01, 100), "standard deviations that the tones of neighbours may differ by in the spatial filter");
     v.field("reconstruction.firefly", s.firefly, range(0, 1e6), "times its brightest neighbour's light: what a pixel has more is shared with them; 0: fireflies stay");
     v.field("reconstruction.antilag", s.antilag, range(0, 1000), "standard errors by which a drift of light must stand out to shorten histories; 0: they never shorten");
     v.field("reconstruction.clamp_width", s.clamp_width, range(0, 1000), "standard deviations around that the slow mean may lie off the fast one's; 0: any");

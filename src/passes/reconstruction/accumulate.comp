@@ -11,6 +11,7 @@
 #include "lib/packed_light.glsl"
 #include "lib/projection.glsl"
 #include "reconstruction/fireflies.glsl"
+#include "reconstruction/tone.glsl"
 
 layout(local_size_x = kChangeTile, local_size_y = kChangeTile) in;
 layout(set = 1, binding = 0, rgba32ui) uniform readonly uimage2D identity;
@@ -114,7 +115,7 @@ void find_reflection(ViewData view, ivec2 id, vec3 position_ws, vec2 film_px, ve
     read_history(view, taps, s.id, ignored, reflected);
     const float agrees = reflected.hit <= 0.0 ? 0.0 : 1.0 - smoothstep(0.05, 0.2, abs(reflected.hit - hit) / (here.depth + hit));
     specular = Signal(mix(specular.light, reflected.light, agrees), mix(specular.deviation, reflected.deviation, agrees), mix(specular.fast, reflected.fast, agrees),
-                      mix(specular.hit, reflected.hit, agrees), mix(specular.frames, reflected.frames, agrees));
+                      mix(specular.hit, reflected.hit, agrees), mix(specular.frames, reflected.frames, agrees), mix(specular.tone, reflected.tone, agrees));
 }
 
 // The history with one more frame, worth so many at most.
@@ -127,6 +128,8 @@ Signal advance(Signal before, vec3 light, float hit, float worth) {
     now.fast = mix(before.fast, l, max(share, 1.0 / float(push.frame.fast_history)));
     now.hit = blend_hit(before.hit, hit);
     now.frames = frames;
+    const float tone = tone_of(l), tone_off = tone - before.tone.x;
+    now.tone = vec2(mix(before.tone.x, tone, share), sqrt((1.0 - share) * (before.tone.y * before.tone.y + share * tone_off * tone_off)));
     return now;
 }
 
@@ -157,6 +160,8 @@ void keep(uint pixel, uint plane, uvec2 id, Signal diffuse, Signal specular, uin
     push.specular_now.v[pixel] = pack_half_light(dither_half(vec4(specular.light, specular.deviation), random >> 16));
     push.state.v[kStateFast * plane + pixel] = packHalf2x16(min(vec2(diffuse.fast, specular.fast), vec2(kMostHalf)));
     push.state.v[kStateHits * plane + pixel] = packHalf2x16(min(vec2(diffuse.hit, specular.hit), vec2(kMostHalf)));
+    push.state.v[kStateTones * plane + pixel] = packHalf2x16(diffuse.tone);
+    push.state.v[(kStateTones + 1u) * plane + pixel] = packHalf2x16(specular.tone);
     uvec2 frames = uvec2(round(vec2(diffuse.frames, specular.frames) * 4.0));
     for (int i = 0; i < 2; ++i) frames[i] = frames[i] == kStateFresh && worth[i] <= 1.0 ? kStateOutrun : frames[i];
     push.state.v[kStateFrames * plane + pixel] = frames.x | frames.y << 8 | surface << 16;

@@ -1,14 +1,14 @@
 #version 460
 // One step of the spatial filter: neighbours `stride` pixels away, weighed by how near they lie to the surface's plane, how alike they face, how
-// little their luminance differs for its deviation, and whether the light that paths met comes from far enough for so wide a step. After the
+// little their tones differ for their deviations, and whether the light that paths met comes from far enough for so wide a step. After the
 // a-trous filter of Dammertz et al. 2010, the edge-stopping of SVGF (Schied et al. 2017, 4.4), the radii of ReBLUR (Zhdan 2021).
 // COMPOSITE: the last step, which also puts the picture together: light times the surface's colours, and emission.
 // Reads: view, guide, normals, state, light (in), with COMPOSITE summary, emission. Writes: light (out), with COMPOSITE colors instead.
 // variants: COMPOSITE
 #extension GL_GOOGLE_include_directive : require
-#include "lib/color.glsl"
 #include "reconstruction/half_light.glsl"
 #include "reconstruction/surfaces.glsl"
+#include "reconstruction/tone.glsl"
 #ifdef COMPOSITE
 #include "lib/packed_light.glsl"
 #include "realtime/demodulate.glsl"
@@ -37,20 +37,32 @@ layout(push_constant, scalar) uniform Push {
     float sigmas;  // deviations that neighbours' luminances may differ by
 } push;
 
-// Light and variance as they are summed up. A neighbour that shows the same surface has its weight, and what of it differs too much is the pixel's
-// own instead: as much as this one leaves out of the other, the other leaves out of this one, so that no light is lost.
+// As light is summed up. A neighbour that shows the same surface has its weight, and what of it differs too much is the pixel's own instead: as much as
+// this one leaves out of the other, the other leaves out of this one, so that no light is lost.
 struct Sum {
-    vec4 light;    // of neighbours
+    vec3 light;  // of neighbours, as what follows
+    float tone, variance;
     float weight;
-    float own;     // what of the weight is the pixel's
+    float own;   // what of the weight is the pixel's
 };
-void add(inout Sum sum, vec4 light, float weight, float alike) {
+const Sum kOnlyOwn = Sum(vec3(0.0), 0.0, 0.0, 1.0, 1.0);
+void add(inout Sum sum, Toned other, float weight, float alike) {
     const float share = weight * alike;
-    sum.light += vec4(share * light.rgb, share * share * light.a * light.a);
+    sum.light += share * other.light;
+    sum.tone += share * other.tone;
+    sum.variance += share * share * other.deviation * other.deviation;
     sum.weight += weight;
     sum.own += weight - share;
 }
-vec4 mean(Sum sum, vec4 own) { return vec4(sum.light.rgb + sum.own * own.rgb, sqrt(sum.light.a + sum.own * sum.own * own.a * own.a)) / sum.weight; }
+Toned mean(Sum sum, Toned own) {
+    return Toned((sum.light + sum.own * own.light) / sum.weight, (sum.tone + sum.own * own.tone) / sum.weight,
+                 sqrt(sum.variance + sum.own * sum.own * own.deviation * own.deviation) / sum.weight);
+}
+// Whether two means are of one tone, by how far both may be off.
+float alike(Toned a, Toned b) {
+    const float kSame = 0.02;  // stops
+    return exp(-abs(a.tone - b.tone) / (push.sigmas * sqrt(a.deviation * a.deviation + b.deviation * b.deviation) + kSame));
+}
 
 // Pixels around the surface that the two signals may be mixed over: what light from a metre off does to a metre's surface; what is seen
 // within a lobe's angle, from here and by reflection.
@@ -60,15 +72,14 @@ vec2 reach_px(Guide here, vec2 hits, float pixel_ws) {
     return vec2(hits.x > 0.0 ? hits.x : kFar, lobe * (hits.y > 0.0 ? here.depth * hits.y / (here.depth + hits.y) : here.depth)) / pixel_ws;
 }
 
-void filter_around(ViewData view, ivec2 middle, uint pixel, Guide here, inout vec4 diffuse, inout vec4 specular) {
+void filter_around(ViewData view, ivec2 middle, uint pixel, Guide here, inout Toned diffuse, inout Toned specular) {
     const vec2 size = vec2(view.width, view.height);
     const vec3 position = place(view.camera, vec2(middle) + 0.5 + push.jitter, size, here.depth), normal = unpack_direction(push.normals.v[pixel]);
     const vec2 reach = reach_px(here, unpackHalf2x16(push.state.v[kStateHits * view.width * view.height + pixel]), pixel_size(view, here.depth));
     const vec2 wide = clamp(2.0 * vec2(reach.x, max(reach.y, 1.5)) / float(push.stride) - 1.0, vec2(0.0), vec2(1.0));
     if (all(lessThan(wide, vec2(0.05)))) return;
     const float lobe = lobe_tangent(here.roughness), facing = 1.0 / (lobe * lobe + 2e-4);
-    Sum d = Sum(vec4(0.0), 1.0, 1.0), s = d;
-    const vec2 own = vec2(luminance(diffuse.rgb), luminance(specular.rgb));
+    Sum d = kOnlyOwn, s = d;
     const float across = dot(position, normal), slack = 1.0 / (0.01 * here.depth);
     // No branches: all loads are under way at once.
     for (int i = 0; i < 8; ++i) {
@@ -76,15 +87,13 @@ void filter_around(ViewData view, ivec2 middle, uint pixel, Guide here, inout ve
         const ivec2 step = ivec2(k % 3, k / 3) - 1, to = middle + step * int(push.stride), at = clamp(to, ivec2(0), ivec2(view.width, view.height) - 1);
         const uint other = uint(at.y) * view.width + uint(at.x);
         const Guide there = unpack_guide(push.guide.v[other]);
-        const vec4 other_diffuse = unpack_half_light(push.diffuse_in.v[other]), other_specular = unpack_half_light(push.specular_in.v[other]);
+        const Toned other_diffuse = unpack_toned(push.diffuse_in.v[other]), other_specular = unpack_toned(push.specular_in.v[other]);
         const float depth = min(there.depth, 1e30);
         const vec3 p = place(view.camera, vec2(at) + 0.5 + push.jitter, size, depth);
         const float plane = max(0.0, 1.0 - abs(dot(p, normal) - across) * slack), cosine = dot(here.normal, there.normal);
         const float kernel = at == to ? plane * (step.x == 0 || step.y == 0 ? 0.5 : 0.25) : 0.0;
-        const vec2 sharp = 1.0 / (push.sigmas * sqrt(vec2(diffuse.a * diffuse.a + other_diffuse.a * other_diffuse.a, specular.a * specular.a + other_specular.a * other_specular.a)) + 1e-6);
-        const vec2 off = abs(vec2(luminance(other_diffuse.rgb), luminance(other_specular.rgb)) - own) * sharp;
-        add(d, other_diffuse, kernel * wide.x * exp(-32.0 * (1.0 - cosine)), exp(-off.x));
-        add(s, other_specular, kernel * wide.y * exp(-2.0 * (1.0 - cosine) * facing) * max(0.0, 1.0 - 8.0 * abs(here.roughness - there.roughness)), exp(-off.y));
+        add(d, other_diffuse, kernel * wide.x * exp(-32.0 * (1.0 - cosine)), alike(other_diffuse, diffuse));
+        add(s, other_specular, kernel * wide.y * exp(-2.0 * (1.0 - cosine) * facing) * max(0.0, 1.0 - 8.0 * abs(here.roughness - there.roughness)), alike(other_specular, specular));
     }
     diffuse = mean(d, diffuse);
     specular = mean(s, specular);
@@ -96,17 +105,17 @@ void main() {
     if (id.x >= view.width || id.y >= view.height) return;
     const uint pixel = id.y * view.width + id.x;
     const Guide here = unpack_guide(push.guide.v[pixel]);
-    vec4 diffuse = vec4(0.0), specular = vec4(0.0);
+    Toned diffuse = Toned(vec3(0.0), 0.0, 0.0), specular = diffuse;
     if (!isinf(here.depth)) {
-        diffuse = unpack_half_light(push.diffuse_in.v[pixel]);
-        specular = unpack_half_light(push.specular_in.v[pixel]);
+        diffuse = unpack_toned(push.diffuse_in.v[pixel]);
+        specular = unpack_toned(push.specular_in.v[pixel]);
         if (push.stride != 0u) filter_around(view, ivec2(id), pixel, here, diffuse, specular);
     }
 #ifdef COMPOSITE
     const Demodulation by = demodulation(imageLoad(summary, ivec2(id)));
-    push.colors.v[pixel] = pack_half_light(vec4(diffuse.rgb * by.diffuse + specular.rgb * by.specular + unpack_light(push.emission.v[pixel]), 1.0));
+    push.colors.v[pixel] = pack_half_light(vec4(diffuse.light * by.diffuse + specular.light * by.specular + unpack_light(push.emission.v[pixel]), 1.0));
 #else
-    push.diffuse_out.v[pixel] = pack_half_light(diffuse);
-    push.specular_out.v[pixel] = pack_half_light(specular);
+    push.diffuse_out.v[pixel] = pack_toned(diffuse);
+    push.specular_out.v[pixel] = pack_toned(specular);
 #endif
 }

@@ -7,6 +7,7 @@
 #include "lib/color.glsl"
 #include "reconstruction/half_light.glsl"
 #include "reconstruction/surfaces.glsl"
+#include "reconstruction/tone.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ViewBlock { ViewData data; };
@@ -48,13 +49,18 @@ Around look_around(ViewData view, ivec2 middle, uint id, vec3 normal) {
     return Around(mean, max(squares / max(count, 1.0) - mean * mean, vec2(0.0)), count);
 }
 
-// The history between its bounds, and the deviation of its luminance.
-vec4 settle(vec4 kept, float mean, float variance, float count, float frames, out vec4 filtered) {
+// The history between its bounds.
+vec4 settle(vec4 kept, float mean, float variance, float count, float frames) {
     const float l = luminance(kept.rgb), room = push.frame.clamp_width * sqrt(variance);
     if (push.frame.clamp_width > 0.0 && count > 4.0 && frames > float(push.frame.fast_history) && l > 0.0) kept.rgb *= clamp(l, mean - room, mean + room) / l;
-    const float over_time = kept.a * kept.a / max(frames, 1.0);
-    filtered = vec4(kept.rgb, sqrt(mix(max(variance, over_time), over_time, clamp((frames - 1.0) / 4.0, 0.0, 1.0))));
     return kept;
+}
+
+// For the spatial filter: how far the mean of the frames' tones may be off. Few frames hardly tell how much they deviate.
+Toned tell(vec3 light, uint tones, float frames) {
+    const float kUnknown = 2.0;  // stops, of a single frame
+    const vec2 tone = unpackHalf2x16(tones);
+    return Toned(light, tone.x, sqrt((tone.y * tone.y + kUnknown * kUnknown * max(1.25 - 0.25 * frames, 0.0)) / frames));
 }
 
 void main() {
@@ -67,10 +73,12 @@ void main() {
         return;
     }
     const Around around = look_around(view, ivec2(id), state >> 16, unpack_guide(push.guide.v[pixel]).normal);
-    const vec2 frames = vec2(state & 255u, state >> 8 & 255u) * 0.25;
-    vec4 filtered;
-    push.diffuse.v[pixel] = pack_half_light(settle(unpack_half_light(push.diffuse.v[pixel]), around.mean.x, around.variance.x, around.count, frames.x, filtered));
-    push.diffuse_out.v[pixel] = pack_half_light(filtered);
-    push.specular.v[pixel] = pack_half_light(settle(unpack_half_light(push.specular.v[pixel]), around.mean.y, around.variance.y, around.count, frames.y, filtered));
-    push.specular_out.v[pixel] = pack_half_light(filtered);
+    const vec2 frames = max(vec2(state & 255u, state >> 8 & 255u) * 0.25, vec2(0.75));
+    const uint plane = view.width * view.height;
+    const vec4 diffuse = settle(unpack_half_light(push.diffuse.v[pixel]), around.mean.x, around.variance.x, around.count, frames.x);
+    const vec4 specular = settle(unpack_half_light(push.specular.v[pixel]), around.mean.y, around.variance.y, around.count, frames.y);
+    push.diffuse.v[pixel] = pack_half_light(diffuse);
+    push.specular.v[pixel] = pack_half_light(specular);
+    push.diffuse_out.v[pixel] = pack_toned(tell(diffuse.rgb, push.state.v[kStateTones * plane + pixel], frames.x));
+    push.specular_out.v[pixel] = pack_toned(tell(specular.rgb, push.state.v[(kStateTones + 1u) * plane + pixel], frames.y));
 }
