@@ -15,10 +15,8 @@ SHARED_CONST uint kStateHits = 1u;    // half2: metres to what the paths met aft
 SHARED_CONST uint kStateFrames = 2u;  // quarters of frames that the two signals' histories are worth (8 bits each), then the surface's id (16 bits; 0: sky)
 SHARED_CONST uint kStateTones = 3u;   // two planes, diffuse and specular: half2: mean and deviation of a frame's tone (reconstruction/tone.glsl)
 SHARED_CONST uint kStatePlanes = 5u;
-// Lengths of histories that begin with this frame: because the last one did not show the surface, or showed it in a light that has changed since. (The next
-// frame takes the second one for three quarters of a frame.)
+// Length of a history that begins with this frame.
 SHARED_CONST uint kStateFresh = 4u;
-SHARED_CONST uint kStateOutrun = 3u;
 
 // Planes of what reconstruction gets of a frame, unpacked to be written (reconstruction/show.comp): floats, but for the last four.
 SHARED_CONST uint kInputDiffuse = 0u;         // light: pre-exposed R, G, B

@@ -59,11 +59,12 @@ void Reconstruction::record(Frame& frame, const passes::ReconstructionInput& inp
                                                        .antilag = options_.antilag,
                                                        .clamp_width = options_.clamp_width,
                                                        .virtual_motion = options_.virtual_motion}};
-    passes::accumulate_light(pass, passes::judge_changes(pass));
+    const gpu::Buffer verdicts = passes::judge_changes(pass);
+    passes::accumulate_light(pass, verdicts);
     passes::settle_history(pass);
     const gpu::Buffer* colors = &passes::filter_light(pass, 0);
     for (uint32_t step = 1; step < options_.steps; ++step) colors = &passes::filter_light(pass, step);
-    passes::antialias(pass, *colors, sampler_);
+    passes::antialias(pass, *colors, verdicts, sampler_);
     now_ = 1 - now_;
     has_history_ = true;
     jitter_before_px_ = input.jitter_px;

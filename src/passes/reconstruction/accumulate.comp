@@ -39,6 +39,7 @@ layout(push_constant, scalar) uniform Push {
     ReconstructionFrame frame;
 } push;
 #include "reconstruction/history.glsl"
+#include "reconstruction/verdicts.glsl"
 
 const uint kPixels = kChangeTile * kChangeTile;
 const uint kTold = 9u;
@@ -52,26 +53,6 @@ void load_light(ViewData view, uint i) {
     lit_diffuse[i] = unpack_light(push.diffuse.v[pixel]);
     lit_specular[i] = unpack_light(push.specular.v[pixel]);
     lit[i] = vec2(luminance(lit_diffuse[i]), luminance(lit_specular[i]));
-}
-
-// The verdicts of the tiles around on the two signals.
-struct Change {
-    vec2 worth, drift;
-};
-Change find_change(ViewData view, vec2 before_px) {
-    const ivec2 last = (ivec2(view.width, view.height) + int(kChangeTile) - 1) / int(kChangeTile) - 1;
-    const vec2 place = before_px / float(kChangeTile) - 0.5, f = fract(place);
-    Change sum = Change(vec2(0.0), vec2(0.0));
-    for (int i = 0; i < 4; ++i) {
-        const ivec2 step = ivec2(i & 1, i >> 1), at = clamp(ivec2(floor(place)) + step, ivec2(0), last);
-        const vec2 weights = mix(1.0 - f, f, vec2(step));
-        const float weight = weights.x * weights.y;
-        const ChangeVerdict there = push.verdicts.v[at.y * (last.x + 1) + at.x];
-        sum.worth += weight * unpackHalf2x16(there.worth);
-        sum.drift += weight * unpackHalf2x16(there.drift);
-    }
-    sum.drift *= push.frame.exposure_scale;
-    return sum;
 }
 
 float blend_hit(float before, float now) { return now <= 0.0 ? before : before <= 0.0 ? now : mix(before, now, 0.25); }
@@ -136,7 +117,8 @@ Signal advance(Signal before, vec3 light, float hit, float worth) {
 // For the next frame's verdicts. Only what has a history says something.
 void tell(uint thread, uint first, Signal history, float now, float drift_before) {
     const bool says = history.frames >= 3.0;
-    const float variance = history.deviation * history.deviation * (1.0 + 1.0 / max(history.frames, 1.0));
+    const float kRounded = 0.001, rounded = kRounded * luminance(history.light);  // by halves: light without noise does not drift by it
+    const float variance = (history.deviation * history.deviation + rounded * rounded) * (1.0 + 1.0 / max(history.frames, 1.0));
     told[first][thread] = says ? variance : 0.0;
     const float drift = (now - luminance(history.light)) / max(history.frames, 1.0);
     told[first + 1u][thread] = says ? drift : 0.0;
@@ -154,7 +136,7 @@ void sum_tile(uint thread) {
     push.tiles.v[gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x] = ChangeTile(diffuse, specular, told[8][0]);
 }
 
-void keep(uint pixel, uint plane, uvec2 id, Signal diffuse, Signal specular, uint surface, vec2 worth) {
+void keep(uint pixel, uint plane, uvec2 id, Signal diffuse, Signal specular, uint surface) {
     const uvec4 random = pcg4d(uvec4(id, push.frame.frame_index, 0x5245434Fu));
     push.diffuse_now.v[pixel] = pack_half_light(dither_half(vec4(diffuse.light, diffuse.deviation), random));
     push.specular_now.v[pixel] = pack_half_light(dither_half(vec4(specular.light, specular.deviation), random >> 16));
@@ -162,8 +144,7 @@ void keep(uint pixel, uint plane, uvec2 id, Signal diffuse, Signal specular, uin
     push.state.v[kStateHits * plane + pixel] = packHalf2x16(min(vec2(diffuse.hit, specular.hit), vec2(kMostHalf)));
     push.state.v[kStateTones * plane + pixel] = packHalf2x16(diffuse.tone);
     push.state.v[(kStateTones + 1u) * plane + pixel] = packHalf2x16(specular.tone);
-    uvec2 frames = uvec2(round(vec2(diffuse.frames, specular.frames) * 4.0));
-    for (int i = 0; i < 2; ++i) frames[i] = frames[i] == kStateFresh && worth[i] <= 1.0 ? kStateOutrun : frames[i];
+    const uvec2 frames = uvec2(round(vec2(diffuse.frames, specular.frames) * 4.0));
     push.state.v[kStateFrames * plane + pixel] = frames.x | frames.y << 8 | surface << 16;
 }
 
@@ -197,14 +178,15 @@ void main() {
             }
             read_history(view, find_taps(view, before_px, s), surface, diffuse, specular);
             find_reflection(view, ivec2(id), position_ws, film_px, before_px, s, here, hits.y, specular);
-            change = find_change(view, before_px);
+            change = find_change(uvec2(view.width, view.height), before_px);
+            change.drift *= push.frame.exposure_scale;
         }
         push.guide.v[pixel] = packed_guide;
         push.normals.v[pixel] = normal;
-        keep(pixel, plane, id, advance(diffuse, diffuse_now, hits.x, change.worth.x), advance(specular, specular_now, hits.y, change.worth.y), surface, change.worth);
+        keep(pixel, plane, id, advance(diffuse, diffuse_now, hits.x, change.worth.x), advance(specular, specular_now, hits.y, change.worth.y), surface);
     } else if (id.x < view.width && id.y < view.height) {
         push.guide.v[pixel] = uvec2(0x7F800000u, 0u);
-        keep(pixel, plane, id, kNoSignal, kNoSignal, 0u, change.worth);
+        keep(pixel, plane, id, kNoSignal, kNoSignal, 0u);
     }
     tell(thread, 0u, diffuse, luminance(diffuse_now), change.drift.x);
     tell(thread, 4u, specular, luminance(specular_now), change.drift.y);

@@ -23,10 +23,12 @@ layout(set = 1, binding = 4, rg8) uniform writeonly image2D shown;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ViewBlock { ViewData data; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Words { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Pairs { uvec2 v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Verdicts { ChangeVerdict v[]; };
 layout(push_constant, scalar) uniform Push {
     ViewBlock view;
     Pairs guide, colors;
     Words state;
+    Verdicts verdicts;
     FilmBlock block;
     uvec2 rendered;        // pixels of the frame; the view is the picture's
     vec2 jitter;           // of this frame, rendered pixels
@@ -40,6 +42,7 @@ layout(push_constant, scalar) uniform Push {
 
 const float kStillWidth = 1.25;   // times the kernel's deviation, where the picture stands still: that of a pixel's box
 const float kMovingShare = 0.25;  // of `frames`, where the picture moves: every frame's resampling blurs a little
+const float kDriftFrames = 4.0;   // of the picture's history, for each more of the light's
 const float kMoves = 0.1;         // of moves(): then rays that miss what was there do not miss it by chance
 const float kWirePixels = 3.0;    // of the frame, to each side: what has been there alone is no wire
 const float kMissesStill = 6.0;   // pairs of frames in a row that may miss a detail before it is gone, where it stands still
@@ -52,9 +55,15 @@ uint rendered_pixel(ivec2 at) { return uint(at.y) * push.rendered.x + uint(at.x)
 bool is_rendered(ivec2 at) { return all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(push.rendered))); }
 
 uint state_of(ivec2 at) { return push.state.v[kStateFrames * push.rendered.x * push.rendered.y + rendered_pixel(at)]; }
-// Its surface was nowhere in the last frame, or its light has changed so fast that no history is worth anything.
+// Its surface was nowhere in the last frame.
 bool is_fresh(uint state) { return state >> 16 != 0u && max(state & 255u, state >> 8 & 255u) <= kStateFresh; }
-bool is_outrun(uint state) { return min(state & 255u, state >> 8 & 255u) == kStateOutrun; }
+
+#include "reconstruction/verdicts.glsl"
+// Frames that the picture's history is worth while light drifts: the lag that it adds to the light's own is kept near that one's.
+float worth_in_drift(vec2 before_px) {
+    const vec2 worth = find_change(push.rendered, before_px).worth;
+    return kDriftFrames * (min(worth.x, worth.y) - 1.0);
+}
 
 // 0: stands still, or was in no frame; 1: moves by half a pixel of the picture or more.
 float moves(vec2 moved_px) { return push.has_history != 0u ? min(2.0 * length(moved_px), 1.0) : 0.0; }
@@ -67,7 +76,7 @@ struct Frame {
     vec3 light;            // plain mean
     Neighbourhood roots;
     ivec2 nearest;         // pixel of the nearest surface
-    float fresh, outrun;   // pixels without a past; those of them whose light has changed
+    float fresh;           // pixels without a past
     float in_a_row;        // pixels that show what the one before shows
     Shown here, known;     // surfaces, and those of pixels with a past
     uvec2 surfaces;        // that `color` is made of: most of it, and most of the rest
@@ -76,7 +85,7 @@ Frame look(vec2 at_px, vec2 ratio) {
     const ivec2 middle = ivec2(floor(at_px));
     // As wide as the picture's own pixels where it stands still and there is time to meet each; in motion by the frame's, of which all get something.
     const vec2 sharpness = push.sharpness * mix(ratio / kStillWidth, vec2(1.0), moves(imageLoad(motion, middle).xy * ratio));
-    Frame f = Frame(vec3(0.0), 0.0, vec3(0.0), vec3(0.0), kNoNeighbourhood, middle, 0.0, 0.0, 0.0, kNothingShown, kNothingShown, uvec2(kNoSurface));
+    Frame f = Frame(vec3(0.0), 0.0, vec3(0.0), vec3(0.0), kNoNeighbourhood, middle, 0.0, 0.0, kNothingShown, kNothingShown, uvec2(kNoSurface));
     float nearest = uintBitsToFloat(0x7F800000u), around = 0.0;
     uint last = kNoSurface;
     vec2 most = vec2(0.0);
@@ -96,7 +105,7 @@ Frame look(vec2 at_px, vec2 ratio) {
         add(f.here, i, surface);
         f.in_a_row += float(surface == last);
         last = surface;
-        if (is_fresh(state)) f.fresh += 1.0, f.outrun += float(is_outrun(state));
+        if (is_fresh(state)) f.fresh += 1.0;
         else add(f.known, i, surface);
         note(f.surfaces, most, surface, wide);
         if (depth < nearest) {
@@ -179,10 +188,10 @@ Past recall(Frame f, bool is_new, vec2 now_px, vec2 moved_px, vec2 size, vec2 ra
     Past past = kNoPast;
     past.surfaces = surfaces_before(before_px, size);
     const bool moved = moving > kMoves || kept.moved, left = moving <= kMoves && !is_whole(f, past.surfaces) && has_left(f, past.surfaces, now_px, moved_px, size, ratio);
-    if (is_new && (moved || left || !is_scattered(f) || 2.0 * f.outrun > f.fresh)) return kNoPast;
+    if (is_new && (moved || left || !is_scattered(f))) return kNoPast;
     const float fitting = read_fitting(f, before_px, size, moved, left, past.color);
     if (fitting <= 0.0) return kNoPast;
-    past.frames = min(kept.frames, push.frames * mix(1.0, kMovingShare, moving)) * fitting;
+    past.frames = min(min(kept.frames, push.frames * mix(1.0, kMovingShare, moving)), worth_in_drift(before_px / ratio)) * fitting;
     // The middle of the box is the mean light's: that of roots lies below it wherever colours differ, and would darken what is clipped. What
     // stands still may lie off twice as far: a lamp's edge that few frames see must stay in the mean of them.
     const vec3 middle = to_compared(f.light), off = to_compared(past.color) - middle;

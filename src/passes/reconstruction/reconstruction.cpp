@@ -26,7 +26,7 @@ struct FilterPush {
     float sigmas;
 };
 struct AntialiasPush {
-    uint64_t view, guide, colors, state, block;
+    uint64_t view, guide, colors, state, verdicts, block;
     glm::uvec2 rendered;
     glm::vec2 jitter;
     float exposure_scale, nits, frames, sharpness, deviations;
@@ -122,7 +122,7 @@ const gpu::Buffer& filter_light(const ReconstructionPass& pass, uint32_t index) 
     return diffuse_out;
 }
 
-void antialias(const ReconstructionPass& pass, const gpu::Buffer& colors, const gpu::Sampler& sampler) {
+void antialias(const ReconstructionPass& pass, const gpu::Buffer& colors, const gpu::Buffer& verdicts, const gpu::Sampler& sampler) {
     const ReconstructionInput& in = pass.input;
     const Film& film = in.picture != nullptr ? *in.picture : in.film;
     const gpu::Extent rendered = in.gbuffer.identity.extent();
@@ -132,6 +132,7 @@ void antialias(const ReconstructionPass& pass, const gpu::Buffer& colors, const 
         .read("guide", pass.now.guide)
         .read("state", pass.now.state)
         .read("colors", colors)
+        .read("verdicts", verdicts)
         .sample("history", pass.before.picture, sampler)
         .read("shown_before", pass.before.shown)
         .write("picture", pass.now.picture)

@@ -71,6 +71,6 @@ void settle_history(const ReconstructionPass& pass);   // its result is in input
 // Step `index` of options.steps, the result being in before's light and in input.signals' by turns; the last step (with none, the only one)
 // leaves the picture's colours. Returns where: half4[pixels].
 const gpu::Buffer& filter_light(const ReconstructionPass& pass, uint32_t index);
-void antialias(const ReconstructionPass& pass, const gpu::Buffer& colors, const gpu::Sampler& sampler);
+void antialias(const ReconstructionPass& pass, const gpu::Buffer& colors, const gpu::Buffer& verdicts, const gpu::Sampler& sampler);
 
 }  // namespace parhelion::passes
