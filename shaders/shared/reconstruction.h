@@ -13,8 +13,8 @@ SHARED_CONST float kMostFrames = 63.0f;
 SHARED_CONST uint kStateFast = 0u;    // half2: luminance over the last few frames, diffuse and specular
 SHARED_CONST uint kStateHits = 1u;    // half2: metres to what the paths met after the surface, diffuse and specular; 0: not known
 SHARED_CONST uint kStateFrames = 2u;  // quarters of frames that the two signals' histories are worth (8 bits each), then the surface's id (16 bits; 0: sky)
-SHARED_CONST uint kStateTones = 3u;   // two planes, diffuse and specular: half2: mean and deviation of a frame's tone (reconstruction/tone.glsl)
-SHARED_CONST uint kStatePlanes = 5u;
+SHARED_CONST uint kStateDeviations = 3u;  // half2: of a frame's tone (reconstruction/tone.glsl), diffuse and specular; the tones' means are with the light
+SHARED_CONST uint kStatePlanes = 4u;
 // Length of a history that begins with this frame.
 SHARED_CONST uint kStateFresh = 4u;
 
@@ -34,10 +34,10 @@ SHARED_CONST uint kInputSurface = 27u;        // number of the surface that all 
 SHARED_CONST uint kInputIds = 28u;            // what the ray met first: row of the instance, primitive of its mesh, triangle; kNone: sky
 SHARED_CONST uint kInputPlanes = 31u;
 
-// Sums over a tile's pixels that have a history, of luminance: a frame's variance; how fast light drifts away from the histories, by the frame
-// and over the last frames; and the variance of what one frame says of that.
+// Sums over a tile's pixels that have a history, of tones: a frame's variance; how fast light drifts away from the histories, by the frame and over
+// the last frames; and the variance of what one frame says of that, if pixels had each their own noise, and how many times that it is (lights are chosen by the tile).
 struct ChangeSums {
-    float variance, drift_now, drift, drift_variance;
+    float variance, drift_now, drift, drift_variance, shared_noise;
 };
 struct ChangeTile {
     ChangeSums diffuse, specular;
@@ -46,10 +46,13 @@ struct ChangeTile {
 // What follows for a tile, diffuse and specular.
 struct ChangeVerdict {
     uint worth;  // half2: frames that histories are worth while light drifts so fast
-    uint drift;  // half2: of the tile's pixels, a frame
+    uint drift;  // half2: of the tile's pixels, stops a frame
+    uint shared_noise;  // half2: of the tile
 };
 // Share of a frame in a tile's drift.
-SHARED_CONST float kDriftShare = 0.25f;
+SHARED_CONST float kDriftShare = 0.125f;
+// Share of a frame in its shared noise; of what is off by more than this many deviations no more counts, for that is no noise.
+SHARED_CONST float kNoiseShare = 0.0625f, kMostNoise = 3.0f;
 
 // Settings of a frame. `vec2`s are pixels of the rendered picture.
 struct ReconstructionFrame {

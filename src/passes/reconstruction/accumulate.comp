@@ -11,7 +11,6 @@
 #include "lib/packed_light.glsl"
 #include "lib/projection.glsl"
 #include "reconstruction/fireflies.glsl"
-#include "reconstruction/tone.glsl"
 
 layout(local_size_x = kChangeTile, local_size_y = kChangeTile) in;
 layout(set = 1, binding = 0, rgba32ui) uniform readonly uimage2D identity;
@@ -43,7 +42,7 @@ layout(push_constant, scalar) uniform Push {
 
 const uint kPixels = kChangeTile * kChangeTile;
 const uint kTold = 9u;
-shared float told[kTold][kPixels];
+shared float told[kTold][kPixels], rows[kTold][kChangeTile], sums[kTold];
 
 void load_light(ViewData view, uint i) {
     const ivec2 at = ivec2(gl_WorkGroupID.xy * kChangeTile) + ivec2(i % kSide, i / kSide) - int(kRing);
@@ -95,55 +94,74 @@ void find_reflection(ViewData view, ivec2 id, vec3 position_ws, vec2 film_px, ve
     Signal ignored, reflected;
     read_history(view, taps, s.id, ignored, reflected);
     const float agrees = reflected.hit <= 0.0 ? 0.0 : 1.0 - smoothstep(0.05, 0.2, abs(reflected.hit - hit) / (here.depth + hit));
-    specular = Signal(mix(specular.light, reflected.light, agrees), mix(specular.deviation, reflected.deviation, agrees), mix(specular.fast, reflected.fast, agrees),
-                      mix(specular.hit, reflected.hit, agrees), mix(specular.frames, reflected.frames, agrees), mix(specular.tone, reflected.tone, agrees));
+    specular = Signal(mix(specular.light, reflected.light, agrees), mix(specular.tone, reflected.tone, agrees), mix(specular.fast, reflected.fast, agrees),
+                      mix(specular.hit, reflected.hit, agrees), mix(specular.frames, reflected.frames, agrees));
 }
 
 // The history with one more frame, worth so many at most.
 Signal advance(Signal before, vec3 light, float hit, float worth) {
-    const float frames = min(before.frames + 1.0, max(worth, 1.0)), share = 1.0 / frames;
-    const float l = luminance(light), off = l - luminance(before.light);
+    const float frames = min(before.frames + 1.0, max(worth, 1.0)), share = 1.0 / frames, all = 1.0 / (before.frames + 1.0);
+    const float l = luminance(light), tone = tone_of(l), off = tone - before.tone.x;
     Signal now;
     now.light = mix(before.light, light, share);
-    now.deviation = sqrt((1.0 - share) * (before.deviation * before.deviation + share * off * off));
+    now.tone = vec2(mix(before.tone.x, tone, share), sqrt((1.0 - all) * (before.tone.y * before.tone.y + all * off * off)));
     now.fast = mix(before.fast, l, max(share, 1.0 / float(push.frame.fast_history)));
     now.hit = blend_hit(before.hit, hit);
     now.frames = frames;
-    const float tone = tone_of(l), tone_off = tone - before.tone.x;
-    now.tone = vec2(mix(before.tone.x, tone, share), sqrt((1.0 - share) * (before.tone.y * before.tone.y + share * tone_off * tone_off)));
     return now;
 }
 
-// For the next frame's verdicts. Only what has a history says something.
-void tell(uint thread, uint first, Signal history, float now, float drift_before) {
+// For the next frame's verdicts, in tones: rare bright frames, which would drown a change of luminance, weigh little in them. Only what has a history
+// says something.
+void tell(uint thread, uint first, Signal history, vec3 now, float drift_before) {
+    const float kRounded = 0.01;  // stops that halves may be off: light without noise does not drift by them
     const bool says = history.frames >= 3.0;
-    const float kRounded = 0.001, rounded = kRounded * luminance(history.light);  // by halves: light without noise does not drift by it
-    const float variance = (history.deviation * history.deviation + rounded * rounded) * (1.0 + 1.0 / max(history.frames, 1.0));
+    const float variance = (history.tone.y * history.tone.y + kRounded * kRounded) * (1.0 + 1.0 / max(history.frames, 1.0));
+    const float drift = (tone_of(luminance(now)) - history.tone.x) / max(history.frames, 1.0);
     told[first][thread] = says ? variance : 0.0;
-    const float drift = (now - luminance(history.light)) / max(history.frames, 1.0);
     told[first + 1u][thread] = says ? drift : 0.0;
     told[first + 2u][thread] = says ? mix(drift_before, drift, kDriftShare) : 0.0;
     told[first + 3u][thread] = says ? variance / (history.frames * history.frames) : 0.0;
 }
+// Where no pixel says anything the drift stays what it was.
+ChangeSums sums_of(uint first, float drift_before, float noise_before) {
+    if (sums[8] == 0.0) return ChangeSums(0.0, 0.0, drift_before, 0.0, noise_before);
+    const float off = (sums[first + 1u] - sums[first + 2u]) / (1.0 - kDriftShare), variance = max(sums[first + 3u], 1e-12);
+    const float noise = mix(noise_before, min(off * off / variance, kMostNoise * kMostNoise * noise_before), kNoiseShare);
+    return ChangeSums(sums[first], sums[first + 1u], sums[first + 2u], variance, max(noise, 0.5));
+}
 void sum_tile(uint thread) {
-    for (uint half_of = kPixels / 2u; half_of != 0u; half_of /= 2u) {
-        barrier();
-        if (thread < half_of)
-            for (uint k = 0u; k < kTold; ++k) told[k][thread] += told[k][thread + half_of];
+    barrier();
+    for (uint i = thread; i < kTold * kChangeTile; i += kPixels) {
+        const uint k = i / kChangeTile, row = i % kChangeTile;
+        float sum = 0.0;
+        for (uint x = 0u; x < kChangeTile; ++x) sum += told[k][row * kChangeTile + x];
+        rows[k][row] = sum;
     }
+    barrier();
+    if (thread < kTold) {
+        float sum = 0.0;
+        for (uint row = 0u; row < kChangeTile; ++row) sum += rows[thread][row];
+        sums[thread] = sum;
+    }
+    barrier();
     if (thread != 0u) return;
-    const ChangeSums diffuse = ChangeSums(told[0][0], told[1][0], told[2][0], told[3][0]), specular = ChangeSums(told[4][0], told[5][0], told[6][0], told[7][0]);
-    push.tiles.v[gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x] = ChangeTile(diffuse, specular, told[8][0]);
+    const uint tile = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    vec2 drift = vec2(0.0), noise = vec2(1.0);
+    if (push.frame.has_history != 0u) {
+        drift = unpackHalf2x16(push.verdicts.v[tile].drift);
+        noise = unpackHalf2x16(push.verdicts.v[tile].shared_noise);
+    }
+    push.tiles.v[tile] = ChangeTile(sums_of(0u, drift.x, noise.x), sums_of(4u, drift.y, noise.y), sums[8]);
 }
 
 void keep(uint pixel, uint plane, uvec2 id, Signal diffuse, Signal specular, uint surface) {
     const uvec4 random = pcg4d(uvec4(id, push.frame.frame_index, 0x5245434Fu));
-    push.diffuse_now.v[pixel] = pack_half_light(dither_half(vec4(diffuse.light, diffuse.deviation), random));
-    push.specular_now.v[pixel] = pack_half_light(dither_half(vec4(specular.light, specular.deviation), random >> 16));
+    push.diffuse_now.v[pixel] = pack_half_light(dither_half(vec4(diffuse.light, diffuse.tone.x), random));
+    push.specular_now.v[pixel] = pack_half_light(dither_half(vec4(specular.light, specular.tone.x), random >> 16));
     push.state.v[kStateFast * plane + pixel] = packHalf2x16(min(vec2(diffuse.fast, specular.fast), vec2(kMostHalf)));
     push.state.v[kStateHits * plane + pixel] = packHalf2x16(min(vec2(diffuse.hit, specular.hit), vec2(kMostHalf)));
-    push.state.v[kStateTones * plane + pixel] = packHalf2x16(diffuse.tone);
-    push.state.v[(kStateTones + 1u) * plane + pixel] = packHalf2x16(specular.tone);
+    push.state.v[kStateDeviations * plane + pixel] = packHalf2x16(vec2(diffuse.tone.y, specular.tone.y));
     const uvec2 frames = uvec2(round(vec2(diffuse.frames, specular.frames) * 4.0));
     push.state.v[kStateFrames * plane + pixel] = frames.x | frames.y << 8 | surface << 16;
 }
@@ -179,7 +197,6 @@ void main() {
             read_history(view, find_taps(view, before_px, s), surface, diffuse, specular);
             find_reflection(view, ivec2(id), position_ws, film_px, before_px, s, here, hits.y, specular);
             change = find_change(uvec2(view.width, view.height), before_px);
-            change.drift *= push.frame.exposure_scale;
         }
         push.guide.v[pixel] = packed_guide;
         push.normals.v[pixel] = normal;
@@ -188,8 +205,8 @@ void main() {
         push.guide.v[pixel] = uvec2(0x7F800000u, 0u);
         keep(pixel, plane, id, kNoSignal, kNoSignal, 0u);
     }
-    tell(thread, 0u, diffuse, luminance(diffuse_now), change.drift.x);
-    tell(thread, 4u, specular, luminance(specular_now), change.drift.y);
+    tell(thread, 0u, diffuse, diffuse_now, change.drift.x);
+    tell(thread, 4u, specular, specular_now, change.drift.y);
     told[8][thread] = max(diffuse.frames, specular.frames) >= 3.0 ? 1.0 : 0.0;
     sum_tile(thread);
 }

@@ -42,7 +42,7 @@ layout(push_constant, scalar) uniform Push {
 
 const float kStillWidth = 1.25;   // times the kernel's deviation, where the picture stands still: that of a pixel's box
 const float kMovingShare = 0.25;  // of `frames`, where the picture moves: every frame's resampling blurs a little
-const float kDriftFrames = 4.0;   // of the picture's history, for each more of the light's
+const float kDriftFrames = 1.0;   // of the picture's history, for each more of the light's
 const float kMoves = 0.1;         // of moves(): then rays that miss what was there do not miss it by chance
 const float kWirePixels = 3.0;    // of the frame, to each side: what has been there alone is no wire
 const float kMissesStill = 6.0;   // pairs of frames in a row that may miss a detail before it is gone, where it stands still

@@ -18,10 +18,10 @@ layout(push_constant, scalar) uniform Push {
     float history;  // frames at most
 } push;
 
-const float kFiltered = 1000.0;  // K: lag covers whole surfaces and is seen before noise
+const float kFiltered = 3000.0;  // K: lag covers whole surfaces and is seen before noise
 const int kFarthest = 4;         // tiles
 
-ChangeSums add(ChangeSums a, ChangeSums b) { return ChangeSums(a.variance + b.variance, a.drift_now + b.drift_now, a.drift + b.drift, a.drift_variance + b.drift_variance); }
+ChangeSums add(ChangeSums a, ChangeSums b) { return ChangeSums(a.variance + b.variance, a.drift_now + b.drift_now, a.drift + b.drift, a.drift_variance + max(b.shared_noise, 1.0) * b.drift_variance, 0.0); }
 
 void add(inout ChangeTile sum, ChangeTile t) { sum = ChangeTile(add(sum.diffuse, t.diffuse), add(sum.specular, t.specular), sum.count + t.count); }
 
@@ -40,7 +40,7 @@ void main() {
     const uvec2 id = gl_GlobalInvocationID.xy;
     if (id.x >= push.size.x || id.y >= push.size.y) return;
     const uint tile = id.y * push.size.x + id.x;
-    const ChangeSums kNone = ChangeSums(0.0, 0.0, 0.0, 0.0);
+    const ChangeSums kNone = ChangeSums(0.0, 0.0, 0.0, 0.0, 0.0);
     ChangeTile near = ChangeTile(kNone, kNone, 0.0), around = near, far = near;  // 3 by 3, 5 by 5, 9 by 9
     for (int y = -kFarthest; y <= kFarthest; ++y)
         for (int x = -kFarthest; x <= kFarthest; ++x) {
@@ -48,6 +48,7 @@ void main() {
             if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(push.size)))) continue;
             const ChangeTile t = push.tiles.v[uint(at.y) * push.size.x + uint(at.x)];
             const int distance = max(abs(x), abs(y));
+            if (t.count == 0.0) continue;
             add(far, t);
             if (distance <= 2) add(around, t);
             if (distance <= 1) add(near, t);
@@ -59,5 +60,6 @@ void main() {
         weigh(frames, far);
     }
     const ChangeTile own = push.tiles.v[tile];
-    push.verdicts.v[tile] = ChangeVerdict(packHalf2x16(frames), packHalf2x16(vec2(own.diffuse.drift, own.specular.drift) / max(own.count, 1.0)));
+    push.verdicts.v[tile] = ChangeVerdict(packHalf2x16(frames), packHalf2x16(vec2(own.diffuse.drift, own.specular.drift) / max(own.count, 1.0)),
+                                          packHalf2x16(vec2(own.diffuse.shared_noise, own.specular.shared_noise)));
 }

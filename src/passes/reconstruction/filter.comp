@@ -34,7 +34,7 @@ layout(push_constant, scalar) uniform Push {
 #endif
     vec2 jitter;
     uint stride;   // pixels; 0: nothing is filtered
-    float sigmas;  // deviations that neighbours' luminances may differ by
+    float sigmas;  // deviations that neighbours' tones may differ by
 } push;
 
 // As light is summed up. A neighbour that shows the same surface has its weight, and what of it differs too much is the pixel's own instead: as much as
@@ -50,18 +50,21 @@ void add(inout Sum sum, Toned other, float weight, float alike) {
     const float share = weight * alike;
     sum.light += share * other.light;
     sum.tone += share * other.tone;
-    sum.variance += share * share * other.deviation * other.deviation;
+    // Fireflies were shared out among the eight around, so that next neighbours are off together.
+    sum.variance += (push.stride == 1u ? share : share * share) * other.deviation * other.deviation;
     sum.weight += weight;
     sum.own += weight - share;
 }
 Toned mean(Sum sum, Toned own) {
-    return Toned((sum.light + sum.own * own.light) / sum.weight, (sum.tone + sum.own * own.tone) / sum.weight,
-                 sqrt(sum.variance + sum.own * sum.own * own.deviation * own.deviation) / sum.weight);
+    const float own_variance = own.deviation * own.deviation;
+    const float variance = push.stride == 1u ? (sum.variance + sum.own * own_variance) / sum.weight : (sum.variance + sum.own * sum.own * own_variance) / (sum.weight * sum.weight);
+    return Toned((sum.light + sum.own * own.light) / sum.weight, (sum.tone + sum.own * own.tone) / sum.weight, sqrt(variance));
 }
 // Whether two means are of one tone, by how far both may be off.
 float alike(Toned a, Toned b) {
     const float kSame = 0.02;  // stops
-    return exp(-abs(a.tone - b.tone) / (push.sigmas * sqrt(a.deviation * a.deviation + b.deviation * b.deviation) + kSame));
+    const float off = a.tone - b.tone;
+    return exp(-0.5 * off * off / (push.sigmas * push.sigmas * (a.deviation * a.deviation + b.deviation * b.deviation) + kSame * kSame));
 }
 
 // Pixels around the surface that the two signals may be mixed over: what light from a metre off does to a metre's surface; what is seen

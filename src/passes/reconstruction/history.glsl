@@ -6,17 +6,17 @@
 #include "reconstruction/cubic.glsl"
 #include "reconstruction/half_light.glsl"
 #include "reconstruction/surfaces.glsl"
+#include "reconstruction/tone.glsl"
 
 // A signal of a pixel over time.
 struct Signal {
     vec3 light;
-    float deviation;  // of the luminance of a single frame
-    float fast;       // luminance over the last few frames
-    float hit;        // metres to what its paths met; 0: not known
-    float frames;     // that `light` is worth; 0: there is none
-    vec2 tone;        // mean, and deviation of a single frame
+    vec2 tone;     // mean, and deviation of a single frame
+    float fast;    // luminance over the last few frames
+    float hit;     // metres to what its paths met; 0: not known
+    float frames;  // that `light` is worth; 0: there is none
 };
-const Signal kNoSignal = Signal(vec3(0.0), 0.0, 0.0, 0.0, 0.0, vec2(0.0));
+const Signal kNoSignal = Signal(vec3(0.0), vec2(0.0), 0.0, 0.0, 0.0);
 
 // What a pixel of the last frame must show.
 struct Sought {
@@ -70,11 +70,10 @@ Taps find_taps(ViewData view, vec2 film_px, Sought s) {
     return taps;
 }
 
-void add_tap(inout Signal sum, float weight, uvec2 light, float fast, float hit, uint frames, uint tone) {
+void add_tap(inout Signal sum, float weight, uvec2 light, float fast, float hit, uint frames, float deviation) {
     const vec4 l = unpack_half_light(light);
     sum.light += weight * l.rgb;
-    sum.deviation += weight * l.a;
-    sum.tone += weight * unpackHalf2x16(tone);
+    sum.tone += weight * vec2(l.a, deviation);
     sum.fast += weight * fast;
     sum.hit += weight * hit;
     sum.frames += weight * float(frames & 255u) * 0.25;
@@ -82,8 +81,8 @@ void add_tap(inout Signal sum, float weight, uvec2 light, float fast, float hit,
 
 void rescale(inout Signal s) {
     s.light *= push.frame.exposure_scale;
-    s.deviation *= push.frame.exposure_scale;
     s.fast *= push.frame.exposure_scale;
+    s.tone.x = tone_of(push.frame.exposure_scale * luminance_of(s.tone.x));
 }
 
 // Light by Catmull and Rom 1974 over twelve pixels of one surface: four, frame after frame, would wash out what moves.
@@ -118,9 +117,9 @@ void read_history(ViewData view, Taps taps, uint id, out Signal diffuse, out Sig
         if (taps.weights[i] <= 0.0) continue;
         const ivec2 at = taps.first + ivec2(i & 1, i >> 1);
         const uint pixel = uint(at.y) * view.width + uint(at.x), frames = push.state_before.v[kStateFrames * plane + pixel];
-        const vec2 fast = unpackHalf2x16(push.state_before.v[kStateFast * plane + pixel]), hits = unpackHalf2x16(push.state_before.v[kStateHits * plane + pixel]);
-        add_tap(diffuse, taps.weights[i], push.diffuse_before.v[pixel], fast.x, hits.x, frames, push.state_before.v[kStateTones * plane + pixel]);
-        add_tap(specular, taps.weights[i], push.specular_before.v[pixel], fast.y, hits.y, frames >> 8, push.state_before.v[(kStateTones + 1u) * plane + pixel]);
+        const vec2 fast = unpackHalf2x16(push.state_before.v[kStateFast * plane + pixel]), hits = unpackHalf2x16(push.state_before.v[kStateHits * plane + pixel]), deviations = unpackHalf2x16(push.state_before.v[kStateDeviations * plane + pixel]);
+        add_tap(diffuse, taps.weights[i], push.diffuse_before.v[pixel], fast.x, hits.x, frames, deviations.x);
+        add_tap(specular, taps.weights[i], push.specular_before.v[pixel], fast.y, hits.y, frames >> 8, deviations.y);
     }
     sharpen(view, taps, id, diffuse.light, specular.light);
     rescale(diffuse);

@@ -1,8 +1,8 @@
 #version 460
 // Holds each pixel's history against its neighbourhood in the fast one: what lies beyond is drawn back to it, for this frame and those to come.
-// Then tells the spatial filter how sure the means are: by the spread over time, and while a history is short by the spread around.
-// The clamp after ReBLUR and ReLAX (Zhdan 2021; NVIDIA Real-time Denoisers), the spread around after SVGF (Schied et al. 2017, 4.2).
-// Reads: view, guide, state. Reads and writes: light (its history). Writes: filtered light with the deviations of its luminances.
+// Then tells the spatial filter light's tone and how far it may be off, by the spread over time.
+// The clamp after ReBLUR and ReLAX (Zhdan 2021; NVIDIA Real-time Denoisers).
+// Reads: view, guide, state. Reads and writes: light (its history). Writes: toned light, to be filtered.
 #extension GL_GOOGLE_include_directive : require
 #include "lib/color.glsl"
 #include "reconstruction/half_light.glsl"
@@ -57,10 +57,9 @@ vec4 settle(vec4 kept, float mean, float variance, float count, float frames) {
 }
 
 // For the spatial filter: how far the mean of the frames' tones may be off. Few frames hardly tell how much they deviate.
-Toned tell(vec3 light, uint tones, float frames) {
+Toned tell(vec4 light, float deviation, float frames) {
     const float kUnknown = 2.0;  // stops, of a single frame
-    const vec2 tone = unpackHalf2x16(tones);
-    return Toned(light, tone.x, sqrt((tone.y * tone.y + kUnknown * kUnknown * max(1.25 - 0.25 * frames, 0.0)) / frames));
+    return Toned(light.rgb, light.a, sqrt((deviation * deviation + kUnknown * kUnknown * max(1.25 - 0.25 * frames, 0.0)) / frames));
 }
 
 void main() {
@@ -74,11 +73,11 @@ void main() {
     }
     const Around around = look_around(view, ivec2(id), state >> 16, unpack_guide(push.guide.v[pixel]).normal);
     const vec2 frames = max(vec2(state & 255u, state >> 8 & 255u) * 0.25, vec2(0.75));
-    const uint plane = view.width * view.height;
+    const vec2 deviations = unpackHalf2x16(push.state.v[kStateDeviations * view.width * view.height + pixel]);
     const vec4 diffuse = settle(unpack_half_light(push.diffuse.v[pixel]), around.mean.x, around.variance.x, around.count, frames.x);
     const vec4 specular = settle(unpack_half_light(push.specular.v[pixel]), around.mean.y, around.variance.y, around.count, frames.y);
     push.diffuse.v[pixel] = pack_half_light(diffuse);
     push.specular.v[pixel] = pack_half_light(specular);
-    push.diffuse_out.v[pixel] = pack_toned(tell(diffuse.rgb, push.state.v[kStateTones * plane + pixel], frames.x));
-    push.specular_out.v[pixel] = pack_toned(tell(specular.rgb, push.state.v[(kStateTones + 1u) * plane + pixel], frames.y));
+    push.diffuse_out.v[pixel] = pack_toned(tell(diffuse, deviations.x, frames.x));
+    push.specular_out.v[pixel] = pack_toned(tell(specular, deviations.y, frames.y));
 }

@@ -4,6 +4,7 @@
 #define PARHELION_RECONSTRUCTION_TONE_GLSL
 
 float tone_of(float luminance) { return log2(1.0 + 64.0 * luminance); }
+float luminance_of(float tone) { return (exp2(tone) - 1.0) / 64.0; }
 
 // Light, its mean tone and how far that may be off.
 struct Toned {
