@@ -100,11 +100,12 @@ void find_reflection(ViewData view, ivec2 id, vec3 position_ws, vec2 film_px, ve
 
 // The history with one more frame, worth so many at most.
 Signal advance(Signal before, vec3 light, float hit, float worth) {
-    const float frames = min(before.frames + 1.0, max(worth, 1.0)), share = 1.0 / frames, all = 1.0 / (before.frames + 1.0);
+    const float frames = min(before.frames + 1.0, max(worth, 1.0)), share = 1.0 / frames;
+    const float share_of_deviation = 1.0 / (before.frames + 1.0);  // noise stays what it is while light changes
     const float l = luminance(light), tone = tone_of(l), off = tone - before.tone.x;
     Signal now;
     now.light = mix(before.light, light, share);
-    now.tone = vec2(mix(before.tone.x, tone, share), sqrt((1.0 - all) * (before.tone.y * before.tone.y + all * off * off)));
+    now.tone = vec2(mix(before.tone.x, tone, share), sqrt((1.0 - share_of_deviation) * (before.tone.y * before.tone.y + share_of_deviation * off * off)));
     now.fast = mix(before.fast, l, max(share, 1.0 / float(push.frame.fast_history)));
     now.hit = blend_hit(before.hit, hit);
     now.frames = frames;
@@ -123,12 +124,12 @@ void tell(uint thread, uint first, Signal history, vec3 now, float drift_before)
     told[first + 2u][thread] = says ? mix(drift_before, drift, kDriftShare) : 0.0;
     told[first + 3u][thread] = says ? variance / (history.frames * history.frames) : 0.0;
 }
-// Where no pixel says anything the drift stays what it was.
+// Where no pixel says anything the drift stays what it was. Pixels that are all off together have a tile's number of times their own noise, and no more.
 ChangeSums sums_of(uint first, float drift_before, float noise_before) {
     if (sums[8] == 0.0) return ChangeSums(0.0, 0.0, drift_before, 0.0, noise_before);
     const float off = (sums[first + 1u] - sums[first + 2u]) / (1.0 - kDriftShare), variance = max(sums[first + 3u], 1e-12);
     const float noise = mix(noise_before, min(off * off / variance, kMostNoise * kMostNoise * noise_before), kNoiseShare);
-    return ChangeSums(sums[first], sums[first + 1u], sums[first + 2u], variance, max(noise, 0.5));
+    return ChangeSums(sums[first], sums[first + 1u], sums[first + 2u], variance, clamp(noise, 0.5, float(kPixels)));
 }
 void sum_tile(uint thread) {
     barrier();
