@@ -206,7 +206,7 @@ TEST_F(ReconstructionTest, noise_that_a_tiles_pixels_share_is_no_change_of_light
     ReconstructionOptions with = only_history(), without = only_history();
     without.antilag = with.clamp_width = without.clamp_width = 0.0f;
     Given one(stage, straight(), with), other(stage, straight(), without);
-    const Signal noise = [](const Asked& a) { return Light{.diffuse = glm::vec3(-std::log(random_of(a.y / 8 * kSize + a.x / 8, a.frame)))}; };
+    const Signal noise = [](const Asked& a) { return Light{.diffuse = glm::vec3(Asked{.random = random_of(a.y / 8 * kSize + a.x / 8, a.frame)}.noise())}; };
     one.play(64, noise), other.play(64, noise);
     double error_with = 0, error_without = 0;
     for (uint32_t i = 0; i < 16; ++i) error_with += rms_error(one.next(noise), 1), error_without += rms_error(other.next(noise), 1);
