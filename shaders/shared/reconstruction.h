@@ -50,7 +50,7 @@ struct ChangeVerdict {
     uint shared_noise;  // half2: of the tile
 };
 // Share of a frame in a tile's drift.
-SHARED_CONST float kDriftShare = 0.125f;
+SHARED_CONST float kDriftShare = 0.1875f;
 // Share of a frame in its shared noise; of what is off by more than this many deviations no more counts, for that is no noise.
 SHARED_CONST float kNoiseShare = 0.0625f, kMostNoise = 3.0f;
 

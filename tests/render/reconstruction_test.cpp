@@ -240,6 +240,27 @@ TEST_F(ReconstructionTest, uneven_noise_keeps_its_mean_in_the_filter) {
     EXPECT_NEAR(filtered / light, 1.0, 0.02);
 }
 
+// Light that grows along a surface: the filter's neighbours of its darkest edge are all brighter.
+TEST_F(ReconstructionTest, light_that_falls_off_towards_an_edge_is_as_dark_there) {
+    Stage stage = make_stage(true);
+    Given given(stage, straight(), {.antialias = false});
+    uint32_t board = 0, first = kSize, last = 0;
+    const auto light = [](uint32_t x) { return 0.2f + 0.1f * static_cast<float>(x); };
+    const Signal ramp = [&](const Asked& a) { return Light{.diffuse = glm::vec3(a.instance == board ? light(a.x) * a.noise() : 1.0f)}; };
+    given.next(ramp);
+    board = given.instances[(kSize / 2) * kSize + kSize / 2];
+    for (uint32_t p = 0; p < kSize * kSize; ++p)
+        if (given.instances[p] == board) first = std::min(first, p % kSize), last = std::max(last, p % kSize);
+    ASSERT_GE(last, first + 12);
+    for (int i = 0; i < 64; ++i) given.next(ramp);
+    double seen = 0, there = 0;
+    for (int i = 0; i < 16; ++i) {
+        const image::ImageF picture = given.next(ramp);
+        for (uint32_t y = kSize / 2 - 8; y < kSize / 2 + 8; ++y) seen += luminance_of(picture, y * kSize + first + 1), there += static_cast<double>(light(first + 1));
+    }
+    EXPECT_NEAR(seen / there, 1.0, 0.08);
+}
+
 // After 48 frames of one light, of another; what is left of the first in the mean of the picture.
 double left_after(Stage& stage, const ReconstructionOptions& options, float before, float after, uint32_t frames) {
     Given given(stage, straight(), options);

@@ -59,7 +59,7 @@ Needed find_needed(const TruthScene& scene, const ClassRuns& test, const ClassRu
         const double wanted = margin_of(scene, name, r.mean / light) * r.mean / kErrorsInMargin, scale = kDoubt * pilot_frames / (kRuns * 0.5 * wanted * wanted);
         frames = std::max(frames, t.variance * scale), samples = std::max(samples, r.variance * scale);
     }
-    const auto rounded = [](double count, uint32_t most) { return static_cast<uint32_t>(std::min<double>(most * truth_effort(), 8 * std::ceil(count / 8))); };
+    const auto rounded = [](double count, uint32_t most) { return truth_effort() * static_cast<uint32_t>(std::min<double>(most, 8 * std::ceil(count / 8))); };
     return {rounded(frames, by_size(kMostFrames, 64u)), rounded(std::max(frames, samples), by_size(kMostSamples, 64u))};
 }
 

@@ -75,28 +75,57 @@ vec2 reach_px(Guide here, vec2 hits, float pixel_ws) {
     return vec2(hits.x > 0.0 ? hits.x : kFar, lobe * (hits.y > 0.0 ? here.depth * hits.y / (here.depth + hits.y) : here.depth)) / pixel_ws;
 }
 
-void filter_around(ViewData view, ivec2 middle, uint pixel, Guide here, inout Toned diffuse, inout Toned specular) {
-    const vec2 size = vec2(view.width, view.height);
-    const vec3 position = place(view.camera, vec2(middle) + 0.5 + push.jitter, size, here.depth), normal = unpack_direction(push.normals.v[pixel]);
+// The pixel and what its neighbours are held against.
+struct Middle {
+    ivec2 at;
+    Guide guide;
+    vec3 normal;   // geometric
+    float across;  // of the surface's plane
+    float facing;  // how narrow the specular lobe is
+    vec2 wide;     // what a step of this width counts for the two signals
+};
+struct Neighbour {
+    Toned diffuse, specular;
+    vec2 fits;  // its weights, by surfaces alone
+};
+Neighbour look(ViewData view, Middle middle, ivec2 step) {
+    const ivec2 to = middle.at + step * int(push.stride), at = clamp(to, ivec2(0), ivec2(view.width, view.height) - 1);
+    const uint pixel = uint(at.y) * view.width + uint(at.x);
+    const Guide there = unpack_guide(push.guide.v[pixel]);
+    const vec3 p = place(view.camera, vec2(at) + 0.5 + push.jitter, vec2(view.width, view.height), min(there.depth, 1e30));
+    const float off = abs(dot(p, middle.normal) - middle.across) / (0.01 * middle.guide.depth), turned = 1.0 - dot(middle.guide.normal, there.normal);
+    const float kernel = at == to ? max(0.0, 1.0 - off) * (step.x == 0 || step.y == 0 ? 0.5 : 0.25) : 0.0;
+    const vec2 alike = vec2(exp(-32.0 * turned), exp(-2.0 * turned * middle.facing) * max(0.0, 1.0 - 8.0 * abs(middle.guide.roughness - there.roughness)));
+    return Neighbour(unpack_toned(push.diffuse_in.v[pixel]), unpack_toned(push.specular_in.v[pixel]), kernel * middle.wide * alike);
+}
+
+// Where a surface ends neighbours lie on one side and draw the mean there: light that falls off into a corner would be too bright in it. So of two
+// opposite ones both count as the less fitting, as far as the mean is known better than that costs.
+vec2 evenness(Toned diffuse, Toned specular) {
+    const float kKnown = 0.3;  // stops
+    const vec2 noise = vec2(diffuse.deviation, specular.deviation) / kKnown;
+    return 1.0 / (1.0 + noise * noise);
+}
+
+void filter_around(ViewData view, ivec2 at, uint pixel, Guide here, inout Toned diffuse, inout Toned specular) {
+    const vec3 position = place(view.camera, vec2(at) + 0.5 + push.jitter, vec2(view.width, view.height), here.depth), normal = unpack_direction(push.normals.v[pixel]);
     const vec2 reach = reach_px(here, unpackHalf2x16(push.state.v[kStateHits * view.width * view.height + pixel]), pixel_size(view, here.depth));
     const vec2 wide = clamp(2.0 * vec2(reach.x, max(reach.y, 1.5)) / float(push.stride) - 1.0, vec2(0.0), vec2(1.0));
     if (all(lessThan(wide, vec2(0.05)))) return;
-    const float lobe = lobe_tangent(here.roughness), facing = 1.0 / (lobe * lobe + 2e-4);
+    const float lobe = lobe_tangent(here.roughness);
+    const Middle middle = Middle(at, here, normal, dot(position, normal), 1.0 / (lobe * lobe + 2e-4), wide);
+    const vec2 even = evenness(diffuse, specular);
     Sum d = kOnlyOwn, s = d;
-    const float across = dot(position, normal), slack = 1.0 / (0.01 * here.depth);
     // No branches: all loads are under way at once.
-    for (int i = 0; i < 8; ++i) {
-        const int k = i < 4 ? i : i + 1;
-        const ivec2 step = ivec2(k % 3, k / 3) - 1, to = middle + step * int(push.stride), at = clamp(to, ivec2(0), ivec2(view.width, view.height) - 1);
-        const uint other = uint(at.y) * view.width + uint(at.x);
-        const Guide there = unpack_guide(push.guide.v[other]);
-        const Toned other_diffuse = unpack_toned(push.diffuse_in.v[other]), other_specular = unpack_toned(push.specular_in.v[other]);
-        const float depth = min(there.depth, 1e30);
-        const vec3 p = place(view.camera, vec2(at) + 0.5 + push.jitter, size, depth);
-        const float plane = max(0.0, 1.0 - abs(dot(p, normal) - across) * slack), cosine = dot(here.normal, there.normal);
-        const float kernel = at == to ? plane * (step.x == 0 || step.y == 0 ? 0.5 : 0.25) : 0.0;
-        add(d, other_diffuse, kernel * wide.x * exp(-32.0 * (1.0 - cosine)), alike(other_diffuse, diffuse));
-        add(s, other_specular, kernel * wide.y * exp(-2.0 * (1.0 - cosine) * facing) * max(0.0, 1.0 - 8.0 * abs(here.roughness - there.roughness)), alike(other_specular, specular));
+    for (int i = 0; i < 4; ++i) {
+        const ivec2 step = ivec2[](ivec2(1, 0), ivec2(0, 1), ivec2(1, 1), ivec2(1, -1))[i];
+        const Neighbour pair[2] = Neighbour[](look(view, middle, step), look(view, middle, -step));
+        const vec2 both = min(pair[0].fits, pair[1].fits);
+        for (int side = 0; side < 2; ++side) {
+            const vec2 weight = mix(pair[side].fits, both, even);
+            add(d, pair[side].diffuse, weight.x, alike(pair[side].diffuse, diffuse));
+            add(s, pair[side].specular, weight.y, alike(pair[side].specular, specular));
+        }
     }
     diffuse = mean(d, diffuse);
     specular = mean(s, specular);
