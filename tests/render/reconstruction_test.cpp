@@ -240,7 +240,7 @@ TEST_F(ReconstructionTest, uneven_noise_keeps_its_mean_in_the_filter) {
     EXPECT_NEAR(filtered / light, 1.0, 0.02);
 }
 
-// Light that grows along a surface: the filter's neighbours of its darkest edge are all brighter.
+// Light that grows along a surface: the filter's neighbours of its darkest column are all brighter. What is left of that is noise not known well enough.
 TEST_F(ReconstructionTest, light_that_falls_off_towards_an_edge_is_as_dark_there) {
     Stage stage = make_stage(true);
     Given given(stage, straight(), {.antialias = false});
@@ -256,9 +256,9 @@ TEST_F(ReconstructionTest, light_that_falls_off_towards_an_edge_is_as_dark_there
     double seen = 0, there = 0;
     for (int i = 0; i < 16; ++i) {
         const image::ImageF picture = given.next(ramp);
-        for (uint32_t y = kSize / 2 - 8; y < kSize / 2 + 8; ++y) seen += luminance_of(picture, y * kSize + first + 1), there += static_cast<double>(light(first + 1));
+        for (uint32_t y = kSize / 2 - 8; y < kSize / 2 + 8; ++y) seen += luminance_of(picture, y * kSize + first), there += static_cast<double>(light(first));
     }
-    EXPECT_NEAR(seen / there, 1.0, 0.08);
+    EXPECT_NEAR(seen / there, 1.0, 0.06);
 }
 
 // After 48 frames of one light, of another; what is left of the first in the mean of the picture.

@@ -38,7 +38,7 @@ layout(push_constant, scalar) uniform Push {
 } push;
 
 // As light is summed up. A neighbour that shows the same surface has its weight, and what of it differs too much is the pixel's own instead: as much as
-// this one leaves out of the other, the other leaves out of this one, so that no light is lost.
+// this one leaves out of the other, the other leaves out of this one, so that no light is lost (but for what evenness() makes uneven).
 struct Sum {
     vec3 light;  // of neighbours, as what follows
     float tone, variance;

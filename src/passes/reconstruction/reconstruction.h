@@ -35,7 +35,7 @@ struct ReconstructionOptions {
     uint32_t steps = 5;          // of the spatial filter: it reaches 2^steps - 1 pixels
     float sigmas = 1.5f;         // deviations that the tones of neighbours may differ by
     float firefly = 1.0f;        // times the brightest neighbour's light; 0: fireflies stay
-    float antilag = 3.25f;        // standard errors; 0: histories never shorten
+    float antilag = 3.25f;       // standard errors; 0: histories never shorten
     float clamp_width = 2.0f;    // deviations of the fast history; 0: no clamp
     bool virtual_motion = true;
     bool follow = true;          // what is seen through exact mirrors and panes stands in their place
