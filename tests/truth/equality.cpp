@@ -47,8 +47,8 @@ struct Needed {
     uint32_t frames, samples;
 };
 
-// Times the effort, as many as make the 99.9 % interval half as wide as the margin, if both have the same part in it: equal means then pass but for one case in
-// thousands. From pilot runs with seeds of their own, which tell of variances alone; rare bright paths make these too small, so samples are no fewer than frames, up to their own bound.
+// As many as make the 99.9 % interval half as wide as the margin, if both have the same part in it (equal means then pass but for one case in thousands), times the
+// effort. From pilot runs with seeds of their own, which tell of variances alone; rare bright paths make these too small, so samples are no fewer than frames, up to their own bound.
 Needed find_needed(const TruthScene& scene, const ClassRuns& test, const ClassRuns& reference, uint32_t pilot_frames) {
     constexpr double kErrorsInMargin = 7.2, kDoubt = 1.25;  // of a variance from eight runs
     const double light = mean_of(reference.at("picture"));

@@ -95,14 +95,14 @@ Neighbour look(ViewData view, Middle middle, ivec2 step) {
     const vec3 p = place(view.camera, vec2(at) + 0.5 + push.jitter, vec2(view.width, view.height), min(there.depth, 1e30));
     const float off = abs(dot(p, middle.normal) - middle.across) / (0.01 * middle.guide.depth), turned = 1.0 - dot(middle.guide.normal, there.normal);
     const float kernel = at == to ? max(0.0, 1.0 - off) * (step.x == 0 || step.y == 0 ? 0.5 : 0.25) : 0.0;
-    const vec2 alike = vec2(exp(-32.0 * turned), exp(-2.0 * turned * middle.facing) * max(0.0, 1.0 - 8.0 * abs(middle.guide.roughness - there.roughness)));
-    return Neighbour(unpack_toned(push.diffuse_in.v[pixel]), unpack_toned(push.specular_in.v[pixel]), kernel * middle.wide * alike);
+    const vec2 faces = vec2(exp(-32.0 * turned), exp(-2.0 * turned * middle.facing) * max(0.0, 1.0 - 8.0 * abs(middle.guide.roughness - there.roughness)));
+    return Neighbour(unpack_toned(push.diffuse_in.v[pixel]), unpack_toned(push.specular_in.v[pixel]), kernel * middle.wide * faces);
 }
 
-// Where a surface ends neighbours lie on one side and draw the mean there: light that falls off into a corner would be too bright in it. So of two
-// opposite ones both count as the less fitting, as far as the mean is known better than that costs.
+// How far two opposite neighbours both count as the less fitting one. Where a surface ends they lie on one side and draw the mean there: light that falls
+// off into a corner would be too bright in it. But where the mean is noise, fewer neighbours cost more than that.
 vec2 evenness(Toned diffuse, Toned specular) {
-    const float kKnown = 0.3;  // stops
+    const float kKnown = 0.3;  // stops that a mean may be off, at which half of it is done
     const vec2 noise = vec2(diffuse.deviation, specular.deviation) / kKnown;
     return 1.0 / (1.0 + noise * noise);
 }
