@@ -71,10 +71,10 @@ struct CacheHeader {
     uint live_before;     // entries of the other list
     uint live;            // entries of the list
     uint update_count;
-    uint path_count[2];   // updates whose paths go on, of rounds by turns
+    uint path_count[kCacheRoundsLayers + 1u];  // of each round: updates whose paths have a ray in it; none after the last
     uint born, died, rejected;  // cells taken in; given up; undone because their bucket overflowed
     uint refused;         // askings that found no place
-    uint path_rays, shadow_rays;  // of the update
+    uint shadow_rays;     // of the update
     uint class_count[kCachePriorities];
     float class_share[kCachePriorities];  // of the cells of a class that is updated
 };
@@ -92,10 +92,8 @@ SHARED_CONST uint kCacheSizeMaintain = 0u;
 SHARED_CONST uint kCacheSizeSelect = 1u;
 SHARED_CONST uint kCacheSizeUpdates = 2u;     // one invocation an update
 SHARED_CONST uint kCacheSizeCandidates = 3u;  // kCacheLanes
-SHARED_CONST uint kCacheSizeConnect = 4u;
-SHARED_CONST uint kCacheSizeExtend = 5u;      // one a path that goes on
-SHARED_CONST uint kCacheSizeMeet = 6u;
-SHARED_CONST uint kCacheSizeCount = 7u;
+SHARED_CONST uint kCacheSizeRays = 4u;        // one an update, in the groups of a pass that traces
+SHARED_CONST uint kCacheSizeCount = 5u;
 struct CacheSize {
     uint x, y, z;
 };
@@ -104,7 +102,6 @@ struct CacheSize {
 SHARED_CONST uint kCacheBegin = 0u;
 SHARED_CONST uint kCachePlan = 1u;
 SHARED_CONST uint kCacheSelected = 2u;
-SHARED_CONST uint kCacheRound = 4u;  // or 5, by the number of the round's list
 
 SHARED_CONST uint kCacheGroup = 64u;  // invocations of a work group of the passes that trace nothing
 SHARED_CONST uint kCacheMaintained = 4u;  // cells that an invocation of the maintenance looks after

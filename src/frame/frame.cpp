@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <memory>
 #include <utility>
 
 #include "base/error.h"
@@ -113,12 +114,30 @@ void Frame::use_pack(const gpu::ShaderPack& pack) {
     for (gpu::Program& program : replaced) gpu::Program::forget(device_, std::move(program));
 }
 
-void Frame::add(Record record) { records_.push_back(std::move(record)); }
+void Frame::add(Record record) {
+    record.group = group_;
+    records_.push_back(std::move(record));
+}
 
-// Emits the barrier that `record` needs, if any, and notes its accesses.
-void Frame::order(const Record& record, gpu::CommandList& commands) {
+void Frame::together(const std::function<void()>& record) {
+    PARHELION_CHECK(group_ == 0, "a group of passes is recorded in another one");
+    group_ = ++groups_;
+    const auto end = [](uint32_t* group) { *group = 0; };
+    const std::unique_ptr<uint32_t, decltype(end)> ends(&group_, end);
+    record();
+}
+
+size_t Frame::end_of_group(size_t first) const {
+    const uint32_t group = records_[first].group;
+    size_t end = first + 1;
+    while (group != 0 && !options_.full_barriers && end < records_.size() && records_[end].group == group) ++end;
+    return end;
+}
+
+// Emits the barrier that a pass, or a group of them, needs, if any, and notes its accesses.
+void Frame::order(std::span<const Access> accesses, std::string_view name, gpu::CommandList& commands) {
     UseMask before = 0, after = 0;
-    for (const Access& access : record.accesses) {
+    for (const Access& access : accesses) {
         const Hazard hazard = tracker_.find(access);
         before |= hazard.before;
         if (hazard.exists()) after |= use_bit(access.use);
@@ -135,10 +154,19 @@ void Frame::order(const Record& record, gpu::CommandList& commands) {
         commands.barrier(scope);
         tracker_.add_barrier(before, after);
     }
-    for (const Access& access : record.accesses)
+    for (const Access& access : accesses)
         if (tracker_.find(access).exists())
-            complaints_.push_back(fmt::format("{}: {} of {} is not ordered after an earlier access", record.info.name, gpu::use_name(access.use), *access.name));
-    for (const Access& access : record.accesses) tracker_.add_access(access);
+            complaints_.push_back(fmt::format("{}: {} of {} is not ordered after an earlier access", name, gpu::use_name(access.use), *access.name));
+    tracker_.add_accesses(accesses);
+}
+
+void Frame::begin_group(std::span<const Record> records, gpu::CommandList& commands) {
+    std::vector<Access> accesses;
+    for (const Record& record : records) {
+        for (const gpu::Image& image : record.images) commands.initialise_layout(image);
+        accesses.insert(accesses.end(), record.accesses.begin(), record.accesses.end());
+    }
+    order(accesses, records.front().info.name, commands);
 }
 
 uint64_t Frame::record(gpu::CommandList& commands) {
@@ -153,11 +181,14 @@ uint64_t Frame::record(gpu::CommandList& commands) {
     listing_.clear();
     gpu_ms_ = 0;
     if (times && timed == 0) commands.write_timer(frame.timers, 0);
+    size_t ordered = 0;  // records whose barriers are there
     for (uint32_t i = 0; i < records_.size(); ++i) {
         const Record& record = records_[i];
         commands.begin_label(record.info.name);
-        for (const gpu::Image& image : record.images) commands.initialise_layout(image);
-        order(record, commands);
+        if (i == ordered) {
+            ordered = end_of_group(i);
+            begin_group(std::span(records_).subspan(i, ordered - i), commands);
+        }
         if (i < timed) commands.write_timer(frame.timers, 2 * i);
         record.launch(commands);
         if (i < timed) commands.write_timer(frame.timers, 2 * i + 1);

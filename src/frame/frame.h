@@ -70,6 +70,7 @@ struct FrameRecord {
     std::vector<Access> accesses;
     std::vector<gpu::Image> images = {};  // that may need their first layout
     std::function<void(gpu::CommandList&)> launch;
+    uint32_t group = 0;  // neighbours of one group run beside each other; 0: alone
 };
 
 // The builder of one pass. over(), over_indirect(), or the draws of a raster pass end it.
@@ -78,6 +79,8 @@ public:
     Pass& read(std::string_view name, const gpu::Buffer& buffer);
     Pass& write(std::string_view name, const gpu::Buffer& buffer);
     Pass& read_write(std::string_view name, const gpu::Buffer& buffer);
+    // The buffer that the shader has under this name, which it does not touch in this launch: nothing waits for it.
+    Pass& untouched(std::string_view name, const gpu::Buffer& buffer);
     Pass& read(std::string_view name, const gpu::Image& image);
     Pass& write(std::string_view name, const gpu::Image& image);
     Pass& read_write(std::string_view name, const gpu::Image& image);
@@ -112,8 +115,9 @@ private:
         std::string name;
         std::variant<gpu::Buffer, gpu::Image> resource;
         gpu::Sampler sampler;
-        bool reads, writes;
+        bool reads, writes;  // neither: the launch does not touch it
     };
+    static bool is_touched(const Bound& bound) { return bound.reads || bound.writes; }
     enum class Kind { Compute, Trace, Raster };
     Pass(Frame& frame, std::string name, std::string variant, Kind kind) : frame_(frame), name_(std::move(name)), variant_(std::move(variant)), kind_(kind) {}
     const gpu::Program& program();  // made when it is first needed: the scene's layout of nodes is a constant in it
@@ -165,6 +169,10 @@ public:
     Pass trace(std::string_view name, gpu::TraceWay way, std::string_view defines = {});
     // Triangles through a vertex and a fragment shader, which read vertices by address; on devices with DeviceCaps::raster.
     Pass raster(std::string_view name, const gpu::RasterState& state, std::string_view defines = {});
+
+    // The passes that `record` records run beside each other: no barrier lies between them. The caller knows that they may: what two of them touch they
+    // touch by atomics, or each its own part.
+    void together(const std::function<void()>& record);
 
     // Transfers and builds are passes too.
     void upload(const gpu::Buffer& to, uint64_t offset, std::span<const std::byte> bytes);
@@ -235,7 +243,9 @@ private:
     };
     void add(Record record);
     void keep(std::shared_ptr<void> object) { kept_.push_back(std::move(object)); }
-    void order(const Record& record, gpu::CommandList& commands);
+    void begin_group(std::span<const Record> records, gpu::CommandList& commands);
+    void order(std::span<const Access> accesses, std::string_view name, gpu::CommandList& commands);
+    size_t end_of_group(size_t first) const;
     void read_timers(const InFlight& frame);
     [[noreturn]] void report_loss(const std::exception& cause);
 
@@ -244,6 +254,7 @@ private:
     const gpu::ShaderPack* pack_;
     HazardTracker tracker_;
     std::vector<Record> records_;
+    uint32_t group_ = 0, groups_ = 0;  // of the passes that are recorded now, and how many there were
     std::vector<std::shared_ptr<void>> kept_;
     Staging staging_;  // what is left of it: from the offset on
     std::shared_ptr<Upload> upload_;  // of the last record, if that is one

@@ -28,17 +28,24 @@ Hazard HazardTracker::find(const Access& access) {
     return hazard;
 }
 
-void HazardTracker::add_access(const Access& access) {
-    State& state = current(access.resource);
-    const UseMask bit = use_bit(access.use);
-    if (gpu::use_writes(access.use)) {
-        state.write = {bit, 0};
-        state.reads = {};
-    } else if ((state.reads.uses & bit) == 0 || state.reads.ordered != 0) {
-        // A new read is not covered by barriers before it: those count only for reads that came earlier, which a write
-        // must still wait for; merging them keeps the answer on the safe side.
-        state.reads.uses |= bit;
-        state.reads.ordered = 0;
+void HazardTracker::add_accesses(std::span<const Access> accesses) {
+    for (const Access& access : accesses)
+        if (gpu::use_writes(access.use)) {
+            State& state = current(access.resource);
+            state.write = {};
+            state.reads = {};
+        }
+    for (const Access& access : accesses) {
+        State& state = current(access.resource);
+        const UseMask bit = use_bit(access.use);
+        if (gpu::use_writes(access.use)) {
+            state.write.uses |= bit;
+        } else if ((state.reads.uses & bit) == 0 || state.reads.ordered != 0) {
+            // A new read is not covered by barriers before it: those count only for reads that came earlier, which a write
+            // must still wait for; merging them keeps the answer on the safe side.
+            state.reads.uses |= bit;
+            state.reads.ordered = 0;
+        }
     }
 }
 

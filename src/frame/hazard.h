@@ -8,6 +8,7 @@
 // `before` (directly, or through an earlier barrier's `after`: a chain) in front of later accesses whose use is in `after`,
 // and makes earlier writes visible to them.
 #include <cstdint>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -36,7 +37,9 @@ public:
     // What `access` conflicts with, given all accesses and barriers so far: read after write, write after write, write after read.
     Hazard find(const Access& access);
     void add_barrier(UseMask before, UseMask after) { barriers_.push_back({before, after}); }
-    void add_access(const Access& access);
+    void add_access(const Access& access) { add_accesses({&access, 1}); }
+    // Of passes that run beside each other: none of them is ordered before another.
+    void add_accesses(std::span<const Access> accesses);
     void forget(const void* resource) { states_.erase(resource); }  // a resource that no longer exists
     void compact();                                                  // bounds the memory of long runs
 

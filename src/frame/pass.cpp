@@ -33,6 +33,7 @@ Pass& Pass::bind(std::string_view name, std::variant<gpu::Buffer, gpu::Image> re
 Pass& Pass::read(std::string_view name, const gpu::Buffer& buffer) { return bind(name, buffer, true, false); }
 Pass& Pass::write(std::string_view name, const gpu::Buffer& buffer) { return bind(name, buffer, false, true); }
 Pass& Pass::read_write(std::string_view name, const gpu::Buffer& buffer) { return bind(name, buffer, true, true); }
+Pass& Pass::untouched(std::string_view name, const gpu::Buffer& buffer) { return bind(name, buffer, false, false); }
 Pass& Pass::read(std::string_view name, const gpu::Image& image) { return bind(name, image, true, false); }
 Pass& Pass::write(std::string_view name, const gpu::Image& image) { return bind(name, image, false, true); }
 Pass& Pass::read_write(std::string_view name, const gpu::Image& image) { return bind(name, image, true, true); }
@@ -93,7 +94,7 @@ void Pass::resolve(std::vector<Binding>& bindings, std::vector<Access>& accesses
         for (size_t i = 0; i < bound_.size(); ++i)
             if (bound_[i].name == name && !used[i]) used[i] = true, bound = &bound_[i];
         if (!bound) missing.push_back(name);
-        else if (bound->reads != reads || bound->writes != writes)
+        else if (is_touched(*bound) && (bound->reads != reads || bound->writes != writes))
             access_errors.push_back(fmt::format("{} (the shader {}{}{})", name, reads ? "reads" : "", reads && writes ? " and " : "", writes ? "writes" : ""));
         return bound != nullptr;
     };
@@ -104,7 +105,7 @@ void Pass::resolve(std::vector<Binding>& bindings, std::vector<Access>& accesses
         std::visit([&](const auto& resource) { binding.resource = resource; }, bound->resource);
         bindings.push_back(std::move(binding));
         const bool sampled = declared.kind == BindingKind::SampledImage;
-        accesses.push_back({id_of(bound->resource), sampled ? sample_use() : use(declared.reads, declared.writes), &name_of(bound->resource)});
+        if (is_touched(*bound)) accesses.push_back({id_of(bound->resource), sampled ? sample_use() : use(declared.reads, declared.writes), &name_of(bound->resource)});
     }
     for (const gpu::PushPointer& pointer : code.push_pointers) {
         Bound* bound = nullptr;
@@ -114,7 +115,7 @@ void Pass::resolve(std::vector<Binding>& bindings, std::vector<Access>& accesses
         PARHELION_CHECK(push_.size() >= pointer.offset + sizeof(uint64_t), "pass {}: push() is missing", code.name);
         const uint64_t address = buffer->address();
         std::memcpy(push_.data() + pointer.offset, &address, sizeof(address));
-        accesses.push_back({buffer->id(), use(pointer.reads, pointer.writes), &buffer->name()});
+        if (is_touched(*bound)) accesses.push_back({buffer->id(), use(pointer.reads, pointer.writes), &buffer->name()});
     }
     std::vector<std::string> unknown;
     for (size_t i = 0; i < bound_.size(); ++i)

@@ -94,18 +94,21 @@ uint32_t Realtime::path_length(const SceneGpu& scene, const View& view) const {
 
 void Realtime::trace_band(passes::LightPass pass, uint32_t path_length) {
     passes::begin_band(pass);
-    passes::sort_pixels(pass);
+    beside_update(pass.frame, [&] { passes::sort_pixels(pass); });
     for (; pass.round < path_length; ++pass.round) {
         const bool last = pass.round + 1 == path_length;  // who still has a ray then ends without it, and it does not count
+        if (pass.round == 1) finish_update();
         passes::prepare_wavefront(pass.tracing(), shared::kSizeOfClasses | shared::kEmptyRays | shared::kEmptyShadows);
-        passes::shade_paths(pass);
-        passes::prepare_wavefront(pass.tracing(), (last ? 0u : shared::kSizeOfRays) | shared::kSizeOfShadows | shared::kCountShadows | shared::kEmptyClasses);
-        passes::connect_paths(pass);
+        beside_update(pass.frame, [&] { passes::shade_paths(pass); });
+        beside_update(pass.frame, [&] { passes::prepare_wavefront(pass.tracing(), (last ? 0u : shared::kSizeOfRays) | shared::kSizeOfShadows | shared::kCountShadows | shared::kEmptyClasses); });
+        beside_update(pass.frame, [&] {
+            passes::connect_paths(pass);
+            if (!last) passes::extend(pass.tracing());
+        });
         if (after_trace) after_trace(pass.tracing(), passes::WavefrontTraced::ShadowRays);
         if (last) break;
-        passes::extend(pass.tracing());
         if (after_trace) after_trace(pass.tracing(), passes::WavefrontTraced::Rays);
-        passes::sort_paths(pass);
+        beside_update(pass.frame, [&] { passes::sort_paths(pass); });
     }
     passes::gather_paths(pass);
 }
@@ -142,13 +145,13 @@ bool Realtime::has_many_lights(const SceneGpu& scene) const {
 
 // Light samples that a first surface chooses among; with reservoirs more of them where lights are many: what is found well is shared.
 uint32_t Realtime::candidates(const SceneGpu& scene) const {
-    constexpr uint32_t kMore = 4, kMost = 64;
+    constexpr uint32_t kMore = 8, kMost = 64;
     return reuse_ && options_.reuse_options.adapt_offers && has_many_lights(scene) ? std::min(kMore * options_.candidates, kMost) : options_.candidates;
 }
 
 // And surfaces behind it. Where lights are few, one of all of them is nearly as good and costs less.
 uint32_t Realtime::later_candidates(const SceneGpu& scene) const {
-    constexpr uint32_t kMore = 2, kMost = 64;
+    constexpr uint32_t kMore = 4, kMost = 64;
     if (!has_many_lights(scene)) return 0;
     return reuse_ && options_.reuse_options.adapt_offers ? std::min(kMore * options_.later_candidates, kMost) : options_.later_candidates;
 }
@@ -247,11 +250,29 @@ void Realtime::note_changes(const SceneGpu& scene) {
     unsettled_frames_ = changed_ ? 1 + (cache_ ? options_.cache_options.change_frames : 0) : unsettled_frames_ - std::min(unsettled_frames_, 1u);
 }
 
-std::optional<passes::CacheUpdate> Realtime::begin_update(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const View& view) {
-    if (!cache_ || !updates_cells) return {};
-    return std::make_optional<passes::CacheUpdate>(
+void Realtime::begin_update(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const View& view) {
+    if (!cache_ || !updates_cells) return;
+    update_.emplace(
         frame, scene, way, *cache_,
         passes::CacheFrame{.frame_index = frame_index_, .seed = view.desc().seed, .exposure = options_.exposure, .lights_changed = changed_, .lights_switched = switched_, .view = traced(view).view});
+}
+
+// Records passes that neither ask the cache nor wait for each other, and beside them the next step of its update, so that they hide how long its few rays take.
+void Realtime::beside_update(Frame& frame, const std::function<void()>& passes) {
+    frame.together([&] {
+        if (update_) update_->step();
+        passes();
+    });
+}
+
+void Realtime::finish_update() {
+    if (update_) update_->finish();
+    update_.reset();
+}
+
+void Realtime::show_cells(Frame& frame, const SceneGpu& scene, const View& view) {
+    finish_update();
+    passes::show_cache(frame, scene, traced(view), gbuffer_, cache_->buffer(), frame_index_);
 }
 
 void Realtime::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, View& view, bool ends_range) {
@@ -263,17 +284,20 @@ void Realtime::record(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, Vi
     begin_slice(frame, scene, way, view, slice);
     if (rendered_) rendered_->prepare(frame, view);
     if (reuse_) passes::keep_last_frame(*reuse_, gbuffer_);
-    std::optional<passes::CacheUpdate> update = begin_update(frame, scene, way, view);
-    if (update) update->trace_first();
+    begin_update(frame, scene, way, view);
     if (draws_pixels(view)) passes::raster_identity(frame, scene, film, gbuffer_.identity, raster_, frame_index_);
-    else passes::trace_identity(frame, scene, way, film, gbuffer_, frame_index_);
-    if (update) update->meet_first();
-    passes::summarise_surfaces(frame, scene, film, gbuffer_, frame_index_, options_.exposure);
+    // The update has these groups to hide behind, and those of a band's first vertices (trace_band); long ones are due where it traces.
+    beside_update(frame, [&] {
+        if (!draws_pixels(view)) passes::trace_identity(frame, scene, way, film, gbuffer_, frame_index_);
+    });
+    beside_update(frame, [&] {
+        if (options_.tiles) passes::draw_light_tiles(frame, scene, tiles_, frame_index_, view.desc().seed, {film.width, film.height});
+    });
+    beside_update(frame, [&] { passes::summarise_surfaces(frame, scene, film, gbuffer_, frame_index_, options_.exposure); });
     if (follows(scene)) passes::follow_mirrors(frame, scene, way, film, gbuffer_, frame_index_, options_.exposure);
-    if (options_.tiles) passes::draw_light_tiles(frame, scene, tiles_, frame_index_, view.desc().seed, {film.width, film.height});
-    if (update) update->finish();
-    if (cache_ && shows_cache(view)) passes::show_cache(frame, scene, film, gbuffer_, cache_->buffer(), frame_index_);
+    if (cache_ && shows_cache(view)) show_cells(frame, scene, view);
     trace_paths(frame, scene, way, view);
+    finish_update();  // where paths have one vertex
     if (reuse_) share_light(frame, scene, way, view);
     show(frame, view);
     end_slice(frame, view, slice, ends_range);

@@ -81,7 +81,10 @@ public:
 private:
     const passes::Film& traced(const View& view) const { return rendered_ ? rendered_->film() : view.film(); }  // the film of the frame's passes
     void note_changes(const SceneGpu& scene);
-    std::optional<passes::CacheUpdate> begin_update(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const View& view);
+    void begin_update(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const View& view);
+    void beside_update(Frame& frame, const std::function<void()>& passes);
+    void finish_update();  // before anyone asks the cache
+    void show_cells(Frame& frame, const SceneGpu& scene, const View& view);
     bool draws_pixels(const View& view) const;
     bool follows(const SceneGpu& scene) const;
     bool has_many_lights(const SceneGpu& scene) const;
@@ -110,6 +113,7 @@ private:
     uint32_t band_rows_ = 0;
     gpu::Buffer tiles_;
     std::optional<LightCache> cache_;
+    std::optional<passes::CacheUpdate> update_;  // of the cache, while a frame is recorded
     std::optional<passes::ReuseState> reuse_;
     std::optional<Reconstruction> reconstruction_;
     bool cut_ = true;  // the first frame follows none

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <numeric>
 #include <string>
 
 #include "base/error.h"
@@ -77,7 +78,7 @@ CacheStats LightCache::read_stats(Frame& frame) const {
             .died = now.died,
             .rejected = now.rejected,
             .refused = now.refused,
-            .path_rays = now.path_rays,
+            .path_rays = std::accumulate(std::begin(now.path_count), std::end(now.path_count), uint64_t{0}),
             .shadow_rays = now.shadow_rays};
 }
 

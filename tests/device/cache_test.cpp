@@ -299,7 +299,7 @@ TEST_F(CacheTables, the_work_of_a_frame_follows_the_cells_that_live_not_the_room
         for (int frame = 0; frame < 3; ++frame) bench.step(ground(20));
         const std::vector<shared::CacheSize> sizes = download<shared::CacheSize>(bench.cache.sizes());
         EXPECT_EQ(sizes[shared::kCacheSizeMaintain].x * sizes[shared::kCacheSizeMaintain].y, 2u) << "400 cells in groups of 256";
-        for (const uint32_t size : {shared::kCacheSizeSelect, shared::kCacheSizeUpdates, shared::kCacheSizeMeet})
+        for (const uint32_t size : {shared::kCacheSizeSelect, shared::kCacheSizeUpdates})
             EXPECT_EQ(sizes[size].x * sizes[size].y, 7u) << "400 cells in groups of 64";
     }
 }

@@ -84,6 +84,40 @@ TEST_F(FrameTest, each_barrier_left_out_draws_a_complaint) {
     }
 }
 
+// Two sums of which one is written over the other's source: apart there is a barrier between them, together there is none, and who reads both waits for both.
+TEST_F(FrameTest, passes_together_have_one_barrier_before_all_and_none_between) {
+    const auto barriers = [&](bool together, const FrameOptions& options) {
+        const gpu::DevicePtr quiet = gpu::Device::open({});
+        Frame frame(quiet, options, test_shader_pack());
+        const gpu::Buffer a = frame.buffer("test/a", kCount * 4), b = frame.buffer("test/b", kCount * 4), c = frame.buffer("test/c", kCount * 4), d = frame.buffer("test/d", kCount * 4);
+        frame.compute("device/frame_fill").write("out_values", a).push(FillPush{.base = 5}).over(kCount);
+        frame.compute("device/frame_fill").write("out_values", b).push(FillPush{.base = 7}).over(kCount);
+        const auto sums = [&] {
+            frame.compute("device/frame_add").read("a", a).read("b", b).write("c", c).push(AddPush{}).over(kCount);
+            frame.compute("device/frame_add").read("a", a).read("b", a).write("c", b).push(AddPush{}).over(kCount);
+        };
+        if (together) frame.together(sums);
+        else sums();
+        frame.compute("device/frame_add").read("a", b).read("b", c).write("c", d).push(AddPush{}).over(kCount);
+        gpu::CommandList commands(quiet);
+        frame.record(commands);
+        return std::pair(frame.barrier_count(), frame.complaints().size());
+    };
+    EXPECT_EQ(barriers(false, {}), std::pair(3u, size_t{0}));
+    EXPECT_EQ(barriers(true, {}), std::pair(2u, size_t{0}));
+    EXPECT_EQ(barriers(true, {.skip_barrier = 1}).second, 2u) << "both sums are missed";
+}
+
+TEST_F(FrameTest, what_a_pass_leaves_untouched_it_does_not_wait_for) {
+    Frame frame(device(), {}, test_shader_pack());
+    const gpu::Buffer a = frame.buffer("test/a", kCount * 4), b = frame.buffer("test/b", kCount * 4);
+    frame.compute("device/frame_fill").write("out_values", a).push(FillPush{.base = 5}).over(kCount);
+    frame.compute("device/frame_add").untouched("a", a).untouched("b", a).write("c", b).push(AddPush{.count = 0}).over(kCount);
+    frame.run();
+    EXPECT_EQ(frame.barrier_count(), 0u);
+    EXPECT_TRUE(frame.complaints().empty());
+}
+
 TEST_F(FrameTest, full_barriers_change_nothing) {
     Frame plain(device(), {}, test_shader_pack()), full(device(), {.full_barriers = true}, test_shader_pack());
     EXPECT_EQ(run(plain), run(full));

@@ -41,7 +41,7 @@ TEST_P(RealtimeSwitch, a_light_that_goes_out_is_forgotten_and_one_that_comes_on_
     Switched room = make_switched(param.lit);
     const std::function<SceneEdit(bool)> set = room.set;
     TruthStage on = set_up(std::move(room.loaded), switched_room_camera());
-    const uint32_t size = by_size(128u, 16u), runs = by_size(64u, 16u), lit = by_size(64u, 24u), settled = 8;
+    const uint32_t size = by_size(128u, 16u), runs = by_size(64u, 16u) * truth_effort(), lit = by_size(64u, 24u), settled = 8;
     Means steady, off8, off24, on8, on24;
     for (uint32_t i = 0; i < runs; ++i) {
         TruthRun run(on, size, 1 + i, truth_options(on, true), true);

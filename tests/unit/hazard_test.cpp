@@ -71,6 +71,20 @@ TEST(HazardTracker, a_read_after_the_barrier_is_not_covered_by_it) {
     EXPECT_TRUE(tracker.find(access(kBufferA, Use::TransferWrite)).exists());
 }
 
+TEST(HazardTracker, who_comes_after_passes_beside_each_other_waits_for_all_of_them) {
+    HazardTracker tracker;
+    tracker.add_access(access(kBufferA, Use::TransferWrite));
+    tracker.add_barrier(use_bit(Use::TransferWrite), use_bit(Use::ComputeWrite) | use_bit(Use::TraceWrite));
+    const Access beside[] = {access(kBufferA, Use::ComputeWrite), access(kBufferB, Use::ComputeRead), access(kBufferA, Use::TraceWrite), access(kBufferA, Use::IndirectRead)};
+    tracker.add_accesses(beside);
+    EXPECT_EQ(tracker.find(access(kBufferA, Use::ComputeRead)).before, use_bit(Use::ComputeWrite) | use_bit(Use::TraceWrite));
+    tracker.add_barrier(use_bit(Use::ComputeWrite), use_bit(Use::ComputeRead));
+    EXPECT_TRUE(tracker.find(access(kBufferA, Use::ComputeRead)).exists());
+    tracker.add_barrier(use_bit(Use::ComputeWrite) | use_bit(Use::TraceWrite), use_bit(Use::ComputeRead) | use_bit(Use::ComputeWrite));
+    EXPECT_FALSE(tracker.find(access(kBufferA, Use::ComputeRead)).exists());
+    EXPECT_EQ(tracker.find(access(kBufferA, Use::ComputeWrite)).before, use_bit(Use::IndirectRead)) << "the read of the group, whichever its place in it";
+}
+
 TEST(HazardTracker, a_long_run_stays_small_and_right) {
     HazardTracker tracker;
     for (int i = 0; i < 5000; ++i) {

@@ -18,27 +18,27 @@ struct CacheFrame {
 // afterwards binds `cache` to cache.buffer(), read_write.
 void update_cache(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, LightCache& cache, const CacheFrame& now);
 
-// The same in three parts. Its rays are few and long; what is recorded between the parts need not wait for them.
+// The same step by step. Each step waits for the one before and is too little work to fill a GPU: what is recorded right behind one, and does not
+// touch the cache, runs beside it.
 class CacheUpdate {
 public:
     CacheUpdate(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, LightCache& cache, const CacheFrame& now);
-    void trace_first();  // rays of the cells that are updated
-    void meet_first();   // what those met
-    void finish();       // further rays, shadow rays, and the cells' new means
+    void step();    // rays, then what they met, by turns; at last the cells' new means; then nothing more
+    void finish();  // all steps that are left
 
 private:
-    void meet(uint32_t round);
+    bool ended() const { return step_ > 2 * rounds_; }
+    void trace(uint32_t round);
     Frame& frame_;
     const SceneGpu& scene_;
     gpu::TraceWay way_;
     LightCache& cache_;
     gpu::Buffer view_;
-    shared::CacheFrameData data_;
-    uint32_t rounds_;
+    uint32_t rounds_, step_ = 0;
 };
 
 // Its parts: what comes before the rays (the cells that are updated are chosen), and after them.
-shared::CacheFrameData begin_cache(Frame& frame, gpu::TraceWay way, LightCache& cache, const CacheFrame& now);
+void begin_cache(Frame& frame, gpu::TraceWay way, LightCache& cache, const CacheFrame& now);
 void blend_cache(Frame& frame, const LightCache& cache);
 
 }  // namespace parhelion::passes

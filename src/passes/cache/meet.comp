@@ -179,18 +179,18 @@ bool step_on(uint index) {
 }
 
 void main() {
-    const uint list = push.round & 1u, i = cache_invocation();
+    const uint i = cache_invocation();
     if (gl_LocalInvocationIndex == 0u) on_count = 0u;
     barrier();
     bool goes_on = false;
     uint index = 0u, place = 0u;
-    if (i < push.cache.v.path_count[list]) {
-        index = push.round == 0u ? i : push.lists.v[cache_path_at(push.cache, list, i)];
+    if (i < push.cache.v.path_count[push.round]) {
+        index = push.round == 0u ? i : push.lists.v[cache_path_at(push.cache, push.round, i)];
         goes_on = step_on(index);
         if (goes_on) place = atomicAdd(on_count, 1u);
     }
     barrier();
-    if (gl_LocalInvocationIndex == 0u && on_count != 0u) first_place = atomicAdd(push.cache.v.path_count[list ^ 1u], on_count);
+    if (gl_LocalInvocationIndex == 0u && on_count != 0u) first_place = atomicAdd(push.cache.v.path_count[push.round + 1u], on_count);
     barrier();
-    if (goes_on) push.lists.v[cache_path_at(push.cache, list ^ 1u, first_place + place)] = index;
+    if (goes_on) push.lists.v[cache_path_at(push.cache, push.round + 1u, first_place + place)] = index;
 }

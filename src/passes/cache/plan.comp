@@ -10,7 +10,7 @@ layout(push_constant, scalar) uniform Push {
     Cache cache;
     Sizes sizes;
     CacheFrameData frame;
-    uint stage;               // kCacheBegin ..., kCacheRound + number of the list
+    uint stage;               // kCacheBegin ...
     uint tracing_group, row;  // invocations of a group of the tracing pass; most groups in one row
 } push;
 
@@ -38,7 +38,7 @@ void begin() {
     cache.v.list ^= 1u;
     cache.v.live = cache.v.update_count = 0u;
     cache.v.born = cache.v.died = cache.v.rejected = cache.v.refused = 0u;
-    cache.v.path_rays = cache.v.shadow_rays = 0u;
+    cache.v.shadow_rays = 0u;
     for (uint i = 0u; i < kCachePriorities; ++i) cache.v.class_count[i] = 0u;
     set_size(kCacheSizeMaintain, cache.v.live_before, kCacheGroup * kCacheMaintained);
 }
@@ -63,29 +63,20 @@ void plan() {
     set_size(kCacheSizeSelect, cache.v.live, kCacheGroup);
 }
 
-// Of the paths that have a ray to trace.
-void plan_round(uint list) {
-    const uint count = push.cache.v.path_count[list];
-    push.cache.v.path_rays += count;
-    push.cache.v.path_count[list ^ 1u] = 0u;
-    set_size(kCacheSizeExtend, count, push.tracing_group);
-    set_size(kCacheSizeMeet, count, kCacheGroup);
-}
-
+// All rounds have the sizes of the first one: what few paths go on leave over returns at once, and a pass that counted them would make all others wait.
 void plan_updates() {
     const uint count = min(push.cache.v.update_count, push.cache.v.update_capacity);
     push.cache.v.update_count = push.cache.v.path_count[0] = count;
+    for (uint round = 1u; round <= kCacheRoundsLayers; ++round) push.cache.v.path_count[round] = 0u;
     set_size(kCacheSizeUpdates, count, kCacheGroup);
     set_size(kCacheSizeCandidates, count * kCacheLanes, kCacheGroup);
-    set_size(kCacheSizeConnect, count, push.tracing_group);
-    plan_round(0u);
+    set_size(kCacheSizeRays, count, push.tracing_group);
 }
 
 void main() {
     switch (push.stage) {
         case kCacheBegin: begin(); break;
         case kCachePlan: plan(); break;
-        case kCacheSelected: plan_updates(); break;
-        default: plan_round(push.stage & 1u);
+        default: plan_updates();
     }
 }

@@ -88,7 +88,7 @@ void extend(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const LightC
         .read("rays", cache.updates().rays)
         .write("hits", cache.updates().hits)
         .push(CacheExtendPush{.round = round})
-        .over_indirect(cache.sizes(), size_at(shared::kCacheSizeExtend));
+        .over_indirect(cache.sizes(), size_at(shared::kCacheSizeRays));
 }
 
 void meet(Frame& frame, const SceneGpu& scene, const LightCache& cache, const gpu::Buffer& view, uint32_t round, uint32_t rounds) {
@@ -102,7 +102,7 @@ void meet(Frame& frame, const SceneGpu& scene, const LightCache& cache, const gp
         .read("hits", cache.updates().hits)
         .read_write("found", cache.updates().found)
         .push(MeetPush{.round = round, .rounds = rounds})
-        .over_indirect(cache.sizes(), size_at(shared::kCacheSizeMeet));
+        .over_indirect(cache.sizes(), size_at(shared::kCacheSizeUpdates));
 }
 
 void connect(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const LightCache& cache, const gpu::Buffer& view) {
@@ -114,12 +114,12 @@ void connect(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const Light
         .read("light_rays", cache.updates().light_rays)
         .write("passing", cache.updates().passing)
         .push(CacheConnectPush{})
-        .over_indirect(cache.sizes(), size_at(shared::kCacheSizeConnect));
+        .over_indirect(cache.sizes(), size_at(shared::kCacheSizeRays));
 }
 
 }  // namespace
 
-shared::CacheFrameData begin_cache(Frame& frame, gpu::TraceWay way, LightCache& cache, const CacheFrame& now) {
+void begin_cache(Frame& frame, gpu::TraceWay way, LightCache& cache, const CacheFrame& now) {
     if (cache.take_empty()) clear(frame, cache);
     const shared::CacheFrameData data = cache.begin_frame(now.frame_index, now.seed, now.exposure, now.lights_changed, now.lights_switched);
     plan(frame, way, cache, data, shared::kCacheBegin);
@@ -127,7 +127,6 @@ shared::CacheFrameData begin_cache(Frame& frame, gpu::TraceWay way, LightCache& 
     plan(frame, way, cache, data, shared::kCachePlan);
     select(frame, cache);
     plan(frame, way, cache, data, shared::kCacheSelected);
-    return data;
 }
 
 void blend_cache(Frame& frame, const LightCache& cache) {
@@ -145,33 +144,31 @@ CacheUpdate::CacheUpdate(Frame& frame, const SceneGpu& scene, gpu::TraceWay way,
       way_(way),
       cache_(cache),
       view_(now.view),
-      data_(begin_cache(frame, way, cache, now)),
-      rounds_((scene.features() & shared::kSceneLayers) != 0 ? shared::kCacheRoundsLayers : shared::kCacheRounds) {}
-
-void CacheUpdate::trace_first() {
-    choose_lights(frame_, scene_, cache_);
-    extend(frame_, scene_, way_, cache_, 0);
+      rounds_((scene.features() & shared::kSceneLayers) != 0 ? shared::kCacheRoundsLayers : shared::kCacheRounds) {
+    begin_cache(frame, way, cache, now);
 }
 
-void CacheUpdate::meet_first() { meet(0); }
+void CacheUpdate::step() {
+    const uint32_t round = step_ / 2;
+    if (ended()) return;
+    if (round == rounds_) blend_cache(frame_, cache_);
+    else if (step_ % 2 != 0) meet(frame_, scene_, cache_, view_, round, rounds_);
+    else trace(round);
+    ++step_;
+}
 
 void CacheUpdate::finish() {
-    for (uint32_t round = 1; round < rounds_; ++round) {
-        plan(frame_, way_, cache_, data_, shared::kCacheRound + (round & 1u));
-        extend(frame_, scene_, way_, cache_, round);
-        if (round == 1) connect(frame_, scene_, way_, cache_, view_);
-        meet(round);
-    }
-    blend_cache(frame_, cache_);
+    while (!ended()) step();
 }
 
-void CacheUpdate::meet(uint32_t round) { passes::meet(frame_, scene_, cache_, view_, round, rounds_); }
+void CacheUpdate::trace(uint32_t round) {
+    if (round == 0) choose_lights(frame_, scene_, cache_);
+    extend(frame_, scene_, way_, cache_, round);
+    if (round == 1) connect(frame_, scene_, way_, cache_, view_);
+}
 
 void update_cache(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, LightCache& cache, const CacheFrame& now) {
-    CacheUpdate update(frame, scene, way, cache, now);
-    update.trace_first();
-    update.meet_first();
-    update.finish();
+    CacheUpdate(frame, scene, way, cache, now).finish();
 }
 
 }  // namespace parhelion::passes

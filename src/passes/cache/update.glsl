@@ -7,8 +7,8 @@
 #include "cache/cells.glsl"
 #include "lib/color.glsl"
 
-// Updates whose paths go on: those of a round in one half, the next round's in the other one.
-uint cache_path_at(Cache cache, uint list, uint i) { return list * cache.v.update_capacity + i; }
+// Updates whose paths have a ray in a round: even rounds in one half of the list, odd ones in the other.
+uint cache_path_at(Cache cache, uint round, uint i) { return (round & 1u) * cache.v.update_capacity + i; }
 
 // Where an update's rays start, and what its random numbers are of.
 struct CacheSource {

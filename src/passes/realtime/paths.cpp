@@ -73,7 +73,8 @@ void shade_by(const LightPass& pass, const std::string& variant, uint32_t list) 
         .read_write("distances", pass.signals.distances)
         .read("tiles", pass.tiles);
     constexpr size_t kAddresses = 15, kOfCache = 1, kOfReuse = 5;
-    if (pass.cache != nullptr) kernel.read_write("cache", *pass.cache);
+    // What pixels see does not end in the cache, whose update may still be under way.
+    if (pass.cache != nullptr) pass.round == 0 ? kernel.untouched("cache", *pass.cache) : kernel.read_write("cache", *pass.cache);
     if (pass.reservoirs != nullptr) kernel.read_write("reservoirs", *pass.reservoirs).read_write("reuse", pass.paths.reuse).write("offers", pass.paths.offers).write("brings", pass.paths.brings).read_write("offered", pass.paths.offered);
     if (pass.cache != nullptr && pass.reservoirs != nullptr) push_shade<kAddresses + kOfCache + kOfReuse>(kernel, pass, list);
     else if (pass.reservoirs != nullptr) push_shade<kAddresses + kOfReuse>(kernel, pass, list);
