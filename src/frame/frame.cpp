@@ -115,7 +115,7 @@ void Frame::use_pack(const gpu::ShaderPack& pack) {
 }
 
 void Frame::add(Record record) {
-    record.group = group_;
+    record.info.group = group_;
     records_.push_back(std::move(record));
 }
 
@@ -128,9 +128,9 @@ void Frame::together(const std::function<void()>& record) {
 }
 
 size_t Frame::end_of_group(size_t first) const {
-    const uint32_t group = records_[first].group;
+    const uint32_t group = records_[first].info.group;
     size_t end = first + 1;
-    while (group != 0 && !options_.full_barriers && end < records_.size() && records_[end].group == group) ++end;
+    while (group != 0 && !options_.full_barriers && end < records_.size() && records_[end].info.group == group) ++end;
     return end;
 }
 

@@ -39,6 +39,7 @@ struct PassInfo {
     std::string variant;  // way to trace and defines
     std::vector<std::string> reads, writes;
     std::string extent;  // "1280x720", "indirect", "" for copies
+    uint32_t group = 0;  // neighbours of one group run beside each other (Frame::together); 0: alone
     double gpu_ms = 0;   // after completion
 };
 
@@ -70,7 +71,6 @@ struct FrameRecord {
     std::vector<Access> accesses;
     std::vector<gpu::Image> images = {};  // that may need their first layout
     std::function<void(gpu::CommandList&)> launch;
-    uint32_t group = 0;  // neighbours of one group run beside each other; 0: alone
 };
 
 // The builder of one pass. over(), over_indirect(), or the draws of a raster pass end it.

@@ -43,6 +43,23 @@ TEST_F(RealtimeMachine, the_same_frames_have_the_same_bits_with_and_without_full
         }
 }
 
+// The cache's update goes on beside the frame's first vertices, which do not ask it. In scenes of layered materials it has more steps.
+TEST_F(RealtimeMachine, nobody_asks_the_cache_before_its_update_has_ended) {
+    if (!has(kKinds[0])) GTEST_SKIP() << "no world cache";
+    for (const char* scene : {"builtin:cornell", "builtin:glass"}) {
+        SCOPED_TRACE(scene);
+        Stage stage(make_builtin(scene).scene, {.hardware = false});
+        Player(stage, shot(gpu::TraceWay::Compute, 16, 1), options(kKinds[0])).skip(1);
+        const std::vector<PassInfo>& passes = stage.frame.passes();
+        const auto ends = std::ranges::find(passes, "cache/blend", &PassInfo::name);
+        const auto asks = [](const PassInfo& pass) { return !pass.name.starts_with("cache/") && std::ranges::find(pass.reads, "cache/cells") != pass.reads.end(); };
+        const auto first = std::ranges::find_if(passes, asks);
+        ASSERT_TRUE(ends != passes.end() && first != passes.end());
+        EXPECT_LT(ends, first);
+        EXPECT_TRUE(ends->group == 0 || ends->group != first->group) << "they run beside each other";
+    }
+}
+
 // Recorded, not run: the first frame of a view and the one that follows, so that what one leaves to the next is in it. Paths of scenes with
 // layered materials have many rounds, which are alike: of their barriers those of the first rounds and those after the last are left out.
 TEST_F(RealtimeMachine, each_barrier_left_out_draws_a_complaint) {

@@ -40,17 +40,24 @@ layout(push_constant, scalar) uniform Push {
 #include "reconstruction/history.glsl"
 #include "reconstruction/verdicts.glsl"
 
-const uint kPixels = kChangeTile * kChangeTile;
+const uint kPixels = kChangeTile * kChangeTile, kLoads = (kSide * kSide + kPixels - 1u) / kPixels;
 const uint kTold = 9u;
 shared float told[kTold][kPixels], rows[kTold][kChangeTile], sums[kTold];
 
-void load_light(ViewData view, uint i) {
+// A pixel of the group or around it, on its way to shared memory.
+struct Lit {
+    uint id;
+    PackedLight diffuse, specular;
+};
+Lit load_light(ViewData view, uint i) {
     const ivec2 at = ivec2(gl_WorkGroupID.xy * kChangeTile) + ivec2(i % kSide, i / kSide) - int(kRing);
-    const bool inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(view.width, view.height)));
-    lit_id[i] = inside ? imageLoad(summary, at).z >> kSummaryIdShift : 0u;
-    const uint pixel = inside ? uint(at.y) * view.width + uint(at.x) : 0u;
-    lit_diffuse[i] = unpack_light(push.diffuse.v[pixel]);
-    lit_specular[i] = unpack_light(push.specular.v[pixel]);
+    const uint pixel = pixel_at(view, at);
+    return Lit(is_on_film(view, at) ? imageLoad(summary, at).z >> kSummaryIdShift : 0u, push.diffuse.v[pixel], push.specular.v[pixel]);
+}
+void keep_light(uint i, Lit light) {
+    lit_id[i] = light.id;
+    lit_diffuse[i] = unpack_light(light.diffuse);
+    lit_specular[i] = unpack_light(light.specular);
     lit[i] = vec2(luminance(lit_diffuse[i]), luminance(lit_specular[i]));
 }
 
@@ -73,29 +80,54 @@ float find_curvature(ViewData view, ivec2 middle, Sought s, vec3 position_ws) {
     return sum / max(count, 1.0);
 }
 
+// What a surface shows by reflection, as far behind it as that: how far from the surface it was seen in the last frame, pixels, and how far its lobe spreads it.
+struct Image {
+    vec2 film_px;  // in the last frame
+    float parallax, lobe;
+    bool in_front;
+};
+Image find_image(ViewData view, Guide here, vec3 position_ws, vec2 before_px, float behind) {
+    const vec3 along = view.camera.orthographic != 0u ? view.camera.forward_ws : normalize(position_ws - view.camera.position_ws);
+    const FilmPoint seen = project_point(view.camera_before, position_ws + behind * along, vec2(view.width, view.height));
+    const vec2 film_px = seen.film_px - push.frame.jitter;
+    const float lobe = lobe_tangent(here.roughness) * behind / ((here.depth + behind) * max(pixel_size(view, here.depth) / here.depth, 1e-9));
+    return Image(film_px, distance(film_px, before_px), lobe, seen.in_front);
+}
+// Frames in which the lobe is wider than the parallax.
+float frames_of(Image image) { return (image.lobe + 0.25) / max(image.parallax, 1e-9); }
+
 // The specular history where the reflection was seen, for a mirror that stands still, flat or bent, whose image is as far behind it as the mirror
 // equation says; mixed in as far as what was reflected there lay as far away. What is left of the surface's own history lasts for as long as the
-// lobe is wider than the parallax.
-void find_reflection(ViewData view, ivec2 id, vec3 position_ws, vec2 film_px, vec2 before_px, Sought s, Guide here, float hit_now, inout Signal specular) {
+// lobe is wider than the parallax. Most lobes are wider for longer than any history lasts, and then the surface's own is as good.
+void find_reflection(ViewData view, ivec2 id, vec3 position_ws, vec2 before_px, Sought s, Guide here, float hit_now, inout Signal specular) {
     const float hit = here.roughness < 0.1 && hit_now > 0.0 ? hit_now : blend_hit(specular.hit, hit_now);
     if (push.frame.virtual_motion == 0u || hit <= 0.0) return;
-    const float image = hit / max(1.0 + 2.0 * find_curvature(view, id, s, position_ws) * hit, 0.25);
-    const vec3 along = view.camera.orthographic != 0u ? view.camera.forward_ws : normalize(s.position_ws - view.camera.position_ws);
-    const vec2 size = vec2(view.width, view.height);
-    const FilmPoint seen = project_point(view.camera_before, s.position_ws + image * along, size);
-    if (!seen.in_front) return;
-    const vec2 there = seen.film_px - push.frame.jitter;
-    const float parallax = distance(there, before_px);
-    if (parallax < 0.05) return;
-    const float lobe = lobe_tangent(here.roughness) * image / ((here.depth + image) * max(pixel_size(view, here.depth) / here.depth, 1e-9));
-    specular.frames = min(specular.frames, (lobe + 0.25) / parallax);
-    const Taps taps = find_taps(view, there, s);
+    const Image flat_image = find_image(view, here, s.position_ws, before_px, hit);
+    if (flat_image.in_front && frames_of(flat_image) >= float(push.frame.history)) return;
+    const Image image = find_image(view, here, s.position_ws, before_px, hit / max(1.0 + 2.0 * find_curvature(view, id, s, position_ws) * hit, 0.25));
+    if (!image.in_front || image.parallax < 0.05) return;
+    specular.frames = min(specular.frames, frames_of(image));
+    const Taps taps = find_taps(view, image.film_px, s);
     if (taps.weights.x + taps.weights.y + taps.weights.z + taps.weights.w <= 0.0) return;
     Signal ignored, reflected;
     read_history(view, taps, s.id, ignored, reflected);
     const float agrees = reflected.hit <= 0.0 ? 0.0 : 1.0 - smoothstep(0.05, 0.2, abs(reflected.hit - hit) / (here.depth + hit));
     specular = Signal(mix(specular.light, reflected.light, agrees), mix(specular.tone, reflected.tone, agrees), mix(specular.fast, reflected.fast, agrees),
                       mix(specular.hit, reflected.hit, agrees), mix(specular.frames, reflected.frames, agrees));
+}
+
+// Both signals' histories. What moves by itself was elsewhere in space, as far off as its pixel tells; along the view, that it does not.
+void find_histories(ViewData view, ivec2 id, Guide here, uint normal, vec2 before_px, uint surface, float hit, inout Signal diffuse, inout Signal specular) {
+    const vec2 film_px = vec2(id) + 0.5, size = vec2(view.width, view.height);
+    const vec3 position_ws = place(view.camera, film_px + push.frame.jitter, size, here.depth);
+    Sought s = Sought(position_ws, unpack_direction(normal), here.normal, 0.8, 0.005 * here.depth, surface);
+    const FilmPoint still = project_point(view.camera_before, s.position_ws, size);
+    if (!still.in_front || distance(still.film_px - push.frame.jitter, before_px) > 0.05) {
+        s.position_ws = place(view.camera_before, before_px + push.frame.jitter, size, here.depth);
+        s.slack = 0.04 * here.depth;
+    }
+    read_history(view, find_taps(view, before_px, s), surface, diffuse, specular);
+    find_reflection(view, id, position_ws, before_px, s, here, hit, specular);
 }
 
 // The history with one more frame, worth so many at most.
@@ -170,39 +202,33 @@ void keep(uint pixel, uint plane, uvec2 id, Signal diffuse, Signal specular, uin
 void main() {
     const ViewData view = push.view.data;
     const uvec2 id = gl_GlobalInvocationID.xy, local = gl_LocalInvocationID.xy;
-    const uint thread = gl_LocalInvocationIndex, plane = view.width * view.height, pixel = id.y * view.width + id.x;
-    for (uint i = thread; i < kSide * kSide; i += kPixels) load_light(view, i);
+    const uint thread = gl_LocalInvocationIndex, plane = view.width * view.height, pixel = pixel_at(view, ivec2(id));
+    const bool inside = is_on_film(view, ivec2(id));
+    // What needs nothing is asked for first; what the history then waits for it need not wait for, too.
+    Lit around[kLoads];
+    for (uint i = 0u; i < kLoads; ++i) around[i] = load_light(view, min(thread + i * kPixels, kSide * kSide - 1u));
+    const uvec4 packed = imageLoad(summary, ivec2(id));
+    const uint surface = inside ? packed.z >> kSummaryIdShift : 0u, normal = imageLoad(identity, ivec2(id)).w;
+    const uvec2 packed_guide = pack_guide(imageLoad(depth, ivec2(id)).x, view.camera.orthographic != 0u, packed);
+    const vec2 hits = unpackHalf2x16(push.distances.v[pixel]), before_px = vec2(id) + 0.5 + imageLoad(motion, ivec2(id)).xy;
+    Signal diffuse = kNoSignal, specular = kNoSignal;
+    Change change = Change(vec2(push.frame.history), vec2(0.0));
+    if (surface != 0u && push.frame.has_history != 0u && !any(isinf(before_px))) {
+        find_histories(view, ivec2(id), unpack_guide(packed_guide), normal, before_px, surface, hits.y, diffuse, specular);
+        change = find_change(uvec2(view.width, view.height), before_px);
+    }
+    for (uint i = 0u; i < kLoads; ++i)
+        if (thread + i * kPixels < kSide * kSide) keep_light(thread + i * kPixels, around[i]);
     barrier();
     for (uint i = thread; i < kInner * kInner; i += kPixels) find_gifts(i, push.frame.firefly);
     barrier();
-    Signal diffuse = kNoSignal, specular = kNoSignal;
-    Change change = Change(vec2(push.frame.history), vec2(0.0));
     vec3 diffuse_now = vec3(0.0), specular_now = vec3(0.0);
-    const uint surface = lit_id[(local.y + kRing) * kSide + local.x + kRing];
     if (surface != 0u) {
         share_out(local, diffuse_now, specular_now);
-        const uvec2 packed_guide = pack_guide(imageLoad(depth, ivec2(id)).x, view.camera.orthographic != 0u, imageLoad(summary, ivec2(id)));
-        const Guide here = unpack_guide(packed_guide);
-        const uint normal = imageLoad(identity, ivec2(id)).w;
-        const vec2 film_px = vec2(id) + 0.5, before_px = film_px + imageLoad(motion, ivec2(id)).xy, size = vec2(view.width, view.height);
-        const vec2 hits = unpackHalf2x16(push.distances.v[pixel]);
-        if (push.frame.has_history != 0u && !any(isinf(before_px))) {
-            const vec3 position_ws = place(view.camera, film_px + push.frame.jitter, size, here.depth);
-            Sought s = Sought(position_ws, unpack_direction(normal), here.normal, 0.8, 0.005 * here.depth, surface);
-            // What moves by itself was elsewhere in space, as far off as its pixel tells; along the view, that it does not.
-            const FilmPoint still = project_point(view.camera_before, s.position_ws, size);
-            if (!still.in_front || distance(still.film_px - push.frame.jitter, before_px) > 0.05) {
-                s.position_ws = place(view.camera_before, before_px + push.frame.jitter, size, here.depth);
-                s.slack = 0.04 * here.depth;
-            }
-            read_history(view, find_taps(view, before_px, s), surface, diffuse, specular);
-            find_reflection(view, ivec2(id), position_ws, film_px, before_px, s, here, hits.y, specular);
-            change = find_change(uvec2(view.width, view.height), before_px);
-        }
         push.guide.v[pixel] = packed_guide;
         push.normals.v[pixel] = normal;
         keep(pixel, plane, id, advance(diffuse, diffuse_now, hits.x, change.worth.x), advance(specular, specular_now, hits.y, change.worth.y), surface);
-    } else if (id.x < view.width && id.y < view.height) {
+    } else if (inside) {
         push.guide.v[pixel] = uvec2(0x7F800000u, 0u);
         keep(pixel, plane, id, kNoSignal, kNoSignal, 0u);
     }

@@ -60,11 +60,20 @@ Toned mean(Sum sum, Toned own) {
     const float variance = push.stride == 1u ? (sum.variance + sum.own * own_variance) / sum.weight : (sum.variance + sum.own * sum.own * own_variance) / (sum.weight * sum.weight);
     return Toned((sum.light + sum.own * own.light) / sum.weight, (sum.tone + sum.own * own.tone) / sum.weight, sqrt(variance));
 }
+
+float pow8(float x) {
+    const float square = x * x, fourth = square * square;
+    return fourth * fourth;
+}
+// Close to exp(-x), without its cost; 0 from 8 on.
+float bell(float x) { return pow8(max(1.0 - 0.125 * x, 0.0)); }
+vec2 bell(vec2 x) { return vec2(bell(x.x), bell(x.y)); }
+
 // Whether two means are of one tone, by how far both may be off.
 float alike(Toned a, Toned b) {
     const float kSame = 0.02;  // stops
     const float off = a.tone - b.tone;
-    return exp(-0.5 * off * off / (push.sigmas * push.sigmas * (a.deviation * a.deviation + b.deviation * b.deviation) + kSame * kSame));
+    return bell(0.5 * off * off / (push.sigmas * push.sigmas * (a.deviation * a.deviation + b.deviation * b.deviation) + kSame * kSame));
 }
 
 // Pixels around the surface that the two signals may be mixed over: what light from a metre off does to a metre's surface; what is seen
@@ -79,8 +88,7 @@ vec2 reach_px(Guide here, vec2 hits, float pixel_ws) {
 struct Middle {
     ivec2 at;
     Guide guide;
-    vec3 normal;   // geometric
-    float across;  // of the surface's plane
+    SeenPlane plane;
     float facing;  // how narrow the specular lobe is
     vec2 wide;     // what a step of this width counts for the two signals
 };
@@ -92,10 +100,10 @@ Neighbour look(ViewData view, Middle middle, ivec2 step) {
     const ivec2 to = middle.at + step * int(push.stride), at = clamp(to, ivec2(0), ivec2(view.width, view.height) - 1);
     const uint pixel = uint(at.y) * view.width + uint(at.x);
     const Guide there = unpack_guide(push.guide.v[pixel]);
-    const vec3 p = place(view.camera, vec2(at) + 0.5 + push.jitter, vec2(view.width, view.height), min(there.depth, 1e30));
-    const float off = abs(dot(p, middle.normal) - middle.across) / (0.01 * middle.guide.depth), turned = 1.0 - dot(middle.guide.normal, there.normal);
+    const float off = distance_to(middle.plane, view.camera.orthographic != 0u, vec2(at - middle.at), min(there.depth, 1e30)) / (0.01 * middle.guide.depth);
+    const float turned = 1.0 - dot(middle.guide.normal, there.normal);
     const float kernel = at == to ? max(0.0, 1.0 - off) * (step.x == 0 || step.y == 0 ? 0.5 : 0.25) : 0.0;
-    const vec2 faces = vec2(exp(-32.0 * turned), exp(-2.0 * turned * middle.facing) * max(0.0, 1.0 - 8.0 * abs(middle.guide.roughness - there.roughness)));
+    const vec2 faces = bell(turned * vec2(32.0, 2.0 * middle.facing)) * vec2(1.0, max(0.0, 1.0 - 8.0 * abs(middle.guide.roughness - there.roughness)));
     return Neighbour(unpack_toned(push.diffuse_in.v[pixel]), unpack_toned(push.specular_in.v[pixel]), kernel * middle.wide * faces);
 }
 
@@ -108,12 +116,12 @@ vec2 evenness(Toned diffuse, Toned specular) {
 }
 
 void filter_around(ViewData view, ivec2 at, uint pixel, Guide here, inout Toned diffuse, inout Toned specular) {
-    const vec3 position = place(view.camera, vec2(at) + 0.5 + push.jitter, vec2(view.width, view.height), here.depth), normal = unpack_direction(push.normals.v[pixel]);
+    const SeenPlane plane = see_plane(view.camera, vec2(at) + 0.5 + push.jitter, vec2(view.width, view.height), unpack_direction(push.normals.v[pixel]), here.depth);
     const vec2 reach = reach_px(here, unpackHalf2x16(push.state.v[kStateHits * view.width * view.height + pixel]), pixel_size(view, here.depth));
     const vec2 wide = clamp(2.0 * vec2(reach.x, max(reach.y, 1.5)) / float(push.stride) - 1.0, vec2(0.0), vec2(1.0));
     if (all(lessThan(wide, vec2(0.05)))) return;
     const float lobe = lobe_tangent(here.roughness);
-    const Middle middle = Middle(at, here, normal, dot(position, normal), 1.0 / (lobe * lobe + 2e-4), wide);
+    const Middle middle = Middle(at, here, plane, 1.0 / (lobe * lobe + 2e-4), wide);
     const vec2 even = evenness(diffuse, specular);
     Sum d = kOnlyOwn, s = d;
     // No branches: all loads are under way at once.

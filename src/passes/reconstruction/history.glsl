@@ -26,14 +26,18 @@ struct Sought {
     uint id;
 };
 
-bool shows(ViewData view, ivec2 at, Sought s) {
-    if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(view.width, view.height)))) return false;
-    const uint pixel = uint(at.y) * view.width + uint(at.x);
-    if (push.state_before.v[kStateFrames * view.width * view.height + pixel] >> 16 != s.id) return false;
-    const Guide there = unpack_guide(push.guide_before.v[pixel]);
-    if (dot(there.normal, s.normal_ws) < s.least_cosine) return false;
+bool is_on_film(ViewData view, ivec2 at) { return all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(view.width, view.height))); }
+uint pixel_at(ViewData view, ivec2 at) {
+    const ivec2 on_film = clamp(at, ivec2(0), ivec2(view.width, view.height) - 1);
+    return uint(on_film.y) * view.width + uint(on_film.x);
+}
+uint surface_before(ViewData view, ivec2 at) { return is_on_film(view, at) ? push.state_before.v[kStateFrames * view.width * view.height + pixel_at(view, at)] >> 16 : 0u; }
+
+// Whether the pixel shows what is sought, if their ids are the same.
+bool lies_there(ViewData view, ivec2 at, uvec2 guide, Sought s) {
+    const Guide there = unpack_guide(guide);
     const vec3 p = place(view.camera_before, vec2(at) + 0.5 + push.frame.jitter_before, vec2(view.width, view.height), there.depth);
-    return abs(dot(p - s.position_ws, s.normal_geometric_ws)) <= s.slack;
+    return dot(there.normal, s.normal_ws) >= s.least_cosine && abs(dot(p - s.position_ws, s.normal_geometric_ws)) <= s.slack;
 }
 
 // Four pixels of the last frame and their weights, which add up to 1, or to 0 where none shows the surface.
@@ -49,21 +53,30 @@ Taps find_taps(ViewData view, vec2 film_px, Sought s) {
     const vec2 f = film_px - 0.5 - vec2(taps.first);
     taps.weights = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
     taps.between = f;
-    taps.whole = true;
-    for (int i = 0; i < 4; ++i)
-        if (taps.weights[i] > 0.0 && !shows(view, taps.first + ivec2(i & 1, i >> 1), s)) {
-            taps.weights[i] = 0.0;
-            taps.whole = false;
-        }
+    // No branches: all loads are under way at once.
+    uint ids[4];
+    uvec2 guides[4];
+    for (int i = 0; i < 4; ++i) {
+        const ivec2 at = taps.first + ivec2(i & 1, i >> 1);
+        ids[i] = surface_before(view, at);
+        guides[i] = push.guide_before.v[pixel_at(view, at)];
+    }
+    vec4 fits;
+    for (int i = 0; i < 4; ++i) fits[i] = ids[i] == s.id && lies_there(view, taps.first + ivec2(i & 1, i >> 1), guides[i], s) ? 1.0 : 0.0;
+    taps.whole = all(lessThanEqual(taps.weights, fits));  // what has no weight need not fit
+    taps.weights *= fits;
     const float sum = taps.weights.x + taps.weights.y + taps.weights.z + taps.weights.w;
     taps.weights = sum > 0.01 ? taps.weights / sum : vec4(0.0);
     if (sum > 0.01) return taps;
     // Pixels look beside their centres, elsewhere in every frame: an edge's other side may have been seen there, and this one next to it.
     const ivec2 middle = ivec2(floor(film_px));
+    const ivec2 kSides[8] = ivec2[](ivec2(0, -1), ivec2(-1, 0), ivec2(1, 0), ivec2(0, 1), ivec2(-1, -1), ivec2(1, -1), ivec2(-1, 1), ivec2(1, 1));
+    uint around[8];
+    for (int i = 0; i < 8; ++i) around[i] = surface_before(view, middle + kSides[i]);
     for (int i = 0; i < 8; ++i) {
-        const ivec2 side = ivec2[](ivec2(0, -1), ivec2(-1, 0), ivec2(1, 0), ivec2(0, 1), ivec2(-1, -1), ivec2(1, -1), ivec2(-1, 1), ivec2(1, 1))[i];
-        if (!shows(view, middle + side, s)) continue;
-        taps.first = middle + side;
+        const ivec2 side = middle + kSides[i];
+        if (around[i] != s.id || !lies_there(view, side, push.guide_before.v[pixel_at(view, side)], s)) continue;
+        taps.first = side;
         taps.weights = vec4(1.0, 0.0, 0.0, 0.0);
         break;
     }
@@ -114,9 +127,7 @@ void read_history(ViewData view, Taps taps, uint id, out Signal diffuse, out Sig
     diffuse = specular = kNoSignal;
     const uint plane = view.width * view.height;
     for (int i = 0; i < 4; ++i) {
-        if (taps.weights[i] <= 0.0) continue;
-        const ivec2 at = taps.first + ivec2(i & 1, i >> 1);
-        const uint pixel = uint(at.y) * view.width + uint(at.x), frames = push.state_before.v[kStateFrames * plane + pixel];
+        const uint pixel = pixel_at(view, taps.first + ivec2(i & 1, i >> 1)), frames = push.state_before.v[kStateFrames * plane + pixel];
         const vec2 fast = unpackHalf2x16(push.state_before.v[kStateFast * plane + pixel]), hits = unpackHalf2x16(push.state_before.v[kStateHits * plane + pixel]), deviations = unpackHalf2x16(push.state_before.v[kStateDeviations * plane + pixel]);
         add_tap(diffuse, taps.weights[i], push.diffuse_before.v[pixel], fast.x, hits.x, frames, deviations.x);
         add_tap(specular, taps.weights[i], push.specular_before.v[pixel], fast.y, hits.y, frames >> 8, deviations.y);

@@ -37,13 +37,15 @@ Around look_around(ViewData view, ivec2 middle, uint id, vec3 normal) {
         for (int x = -2; x <= 2; ++x) {
             const ivec2 at = middle + ivec2(x, y);
             if (((x + y) & 1) != 0) continue;  // every other one tells enough
-            if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(view.width, view.height)))) continue;
-            const uint pixel = uint(at.y) * view.width + uint(at.x);
-            if (push.state.v[kStateFrames * plane + pixel] >> 16 != id || dot(unpack_direction_24(push.guide.v[pixel].y >> 8), normal) < 0.9) continue;
+            // No branches: all loads are under way at once.
+            const ivec2 there = clamp(at, ivec2(0), ivec2(view.width, view.height) - 1);
+            const uint pixel = uint(there.y) * view.width + uint(there.x);
             const vec2 fast = unpackHalf2x16(push.state.v[kStateFast * plane + pixel]);
-            sum += fast;
-            squares += fast * fast;
-            count += 1.0;
+            const bool fits = push.state.v[kStateFrames * plane + pixel] >> 16 == id && there == at && dot(unpack_direction_24(push.guide.v[pixel].y >> 8), normal) >= 0.9;
+            const float share = fits ? 1.0 : 0.0;
+            sum += share * fast;
+            squares += share * fast * fast;
+            count += share;
         }
     const vec2 mean = sum / max(count, 1.0);
     return Around(mean, max(squares / max(count, 1.0) - mean * mean, vec2(0.0)), count);

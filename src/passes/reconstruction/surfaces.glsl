@@ -24,6 +24,22 @@ vec3 place(Camera camera, vec2 film_px, vec2 size_px, float depth) {
     return camera.orthographic != 0u ? camera.position_ws + offset + depth * camera.forward_ws : camera.position_ws + depth * (camera.forward_ws + offset);
 }
 
+// A surface's plane as the pixels around see it: how a pixel's ray, 1 m deep (orthographic: where it starts), lies along the normal, and by how much more it does a pixel
+// to the right and one down. It saves placing each point that is held against the plane.
+struct SeenPlane {
+    vec2 more;
+    float along, depth;
+};
+SeenPlane see_plane(Camera camera, vec2 film_px, vec2 size_px, vec3 normal_ws, float depth) {
+    const vec2 across = vec2(dot(camera.right_ws, normal_ws), -dot(camera.up_ws, normal_ws)), ray = camera.orthographic != 0u ? vec2(0.0) : 2.0 * film_px / size_px - 1.0;
+    return SeenPlane(2.0 * across / size_px, dot(camera.forward_ws, normal_ws) + dot(ray, across), depth);
+}
+// Of the point that a pixel so far off sees at a depth, metres.
+float distance_to(SeenPlane plane, bool orthographic, vec2 off_px, float depth) {
+    const float more = dot(off_px, plane.more);
+    return abs(orthographic ? more + (depth - plane.depth) * plane.along : depth * (plane.along + more) - plane.depth * plane.along);
+}
+
 // A pixel's width at a depth, metres.
 float pixel_size(ViewData view, float depth) { return view.pixel_width + view.pixel_spread * depth; }
 
