@@ -25,7 +25,7 @@ struct ReuseOptions {
     ReservoirSets sets = ReservoirSets::Unified;
     uint32_t confidence = 8;   // frames that what the last frame knew counts for at most; 0: no temporal reuse
     bool adapt_confidence = true;  // at most as much as lights call for: log2 of how many there are for each candidate, and not at all below 3
-    bool adapt_offers = true;      // where lights are many: four times the candidates, later two times, and two neighbours at least
+    bool adapt_offers = true;      // where lights are many: eight times the candidates, later four times, and two neighbours at least
     uint32_t neighbours = 1;   // pixels around whose samples are taken; 0: no spatial reuse
     float radius = 30.0f;      // pixels that these are off at most, along each axis
     bool permutation = false;  // near pixels of the last frame are exchanged: less that stays in place, but edges of shadows darken where samples are not weighed exactly

@@ -61,7 +61,7 @@ void visit_reuse(V&& v, ReuseOptions& s) {
     v.field("realtime.reservoirs", s.sets, choices({"unified", "split"}), "one reservoir a pixel, or one for direct and one for indirect light");
     v.field("realtime.confidence", s.confidence, range(0, shared::kMostConfidence / 2), "frames that what the last frame knew counts for at most; 0: no temporal reuse");
     v.field("realtime.adapt_confidence", s.adapt_confidence, on_off(), "at most log2 of the lights that there are for each candidate, and nothing below 3: where few lights are, what frames repeat of each other is noise that their means keep");
-    v.field("realtime.adapt_offers", s.adapt_offers, on_off(), "where lights are many reservoirs are made of more: four times realtime.candidates, twice realtime.later_candidates, and two neighbours");
+    v.field("realtime.adapt_offers", s.adapt_offers, on_off(), "where lights are many reservoirs are made of more: eight times realtime.candidates, four times realtime.later_candidates, and two neighbours");
     v.field("realtime.neighbours", s.neighbours, range(0, 8), "pixels around whose samples are taken; 0: no spatial reuse");
     v.field("realtime.radius", s.radius, range(1, 256), "pixels that these are off at most, along each axis");
     v.field("realtime.permutation", s.permutation, on_off(), "near pixels of the last frame are exchanged, so that what is repeated does not stay in place; with realtime.reuse=full edges of shadows darken by it");

@@ -9,18 +9,34 @@
 namespace parhelion::testing::realtime_machine_test {
 namespace {
 
-// Each kind of frame: traced and by raster, with the cache and without, with tiles and without.
+// Each kind of frame: traced and by raster, with the cache and without, with tiles and without, with each kind of reservoirs.
 struct Kind {
     const char* name;
     GBufferMode gbuffer = GBufferMode::Trace;
     bool tiles = true, cache = true;
+    RealtimeReuse reuse = RealtimeReuse::None;
+    ReservoirSets sets = ReservoirSets::Unified;
 };
-constexpr Kind kKinds[] = {{"traced"}, {"raster", GBufferMode::Raster}, {"without cache", GBufferMode::Trace, true, false}, {"without tiles", GBufferMode::Raster, false, true}};
+constexpr Kind kKinds[] = {{"traced"},
+                           {"raster", GBufferMode::Raster},
+                           {"without cache", GBufferMode::Trace, true, false},
+                           {"without tiles", GBufferMode::Raster, false, true},
+                           {"reservoirs", GBufferMode::Trace, true, true, RealtimeReuse::Full},
+                           {"split reservoirs", GBufferMode::Trace, true, true, RealtimeReuse::Full, ReservoirSets::Split},
+                           {"unbiased reservoirs", GBufferMode::Trace, true, false, RealtimeReuse::Unbiased}};
+constexpr const Kind &kReservoirs = kKinds[4], &kUnbiased = kKinds[6];
 
 class RealtimeMachine : public GpuTest {
 protected:
     bool has(const Kind& kind) const { return (!kind.cache || LightCache::supported(device()->caps())) && (kind.gbuffer != GBufferMode::Raster || device()->caps().raster); }
-    static RealtimeOptions options(const Kind& kind) { return {.gbuffer = kind.gbuffer, .tiles = kind.tiles, .cache = kind.cache, .cache_options = {.cells = 1u << 12}}; }
+    static RealtimeOptions options(const Kind& kind) {
+        return {.reuse = kind.reuse,
+                .reuse_options = {.sets = kind.sets, .adapt_confidence = false},  // what few lights call for leaves the last frame out
+                .gbuffer = kind.gbuffer,
+                .tiles = kind.tiles,
+                .cache = kind.cache,
+                .cache_options = {.cells = 1u << 12}};
+    }
     static Shot shot(gpu::TraceWay way, uint32_t size, uint32_t frames) {
         return {.way = way, .view = {.width = size, .height = size, .max_bounces = 4, .filter = PixelFilter::Point, .aovs = {"path.*"}}, .sample_count = frames};
     }
@@ -89,6 +105,8 @@ TEST_F(RealtimeMachine, each_barrier_left_out_draws_a_complaint) {
     };
     const Kind& all = has(kKinds[1]) ? kKinds[1] : kKinds[2];
     try_all("builtin:cornell", all, ~0u, 0);
+    if (has(kReservoirs)) try_all("builtin:cornell", kReservoirs, ~0u, 0);
+    try_all("builtin:cornell", kUnbiased, ~0u, 0);
     try_all("builtin:glass", kKinds[2], 16, 8);
 }
 
@@ -96,8 +114,8 @@ TEST_F(RealtimeMachine, each_barrier_left_out_draws_a_complaint) {
 // equality of expectations needs no repetition.
 TEST_F(RealtimeMachine, every_way_to_trace_draws_the_same_frames) {
     for (const char* scene : {"builtin:cornell", "builtin:glass"})
-        for (const Kind& kind : {kKinds[0], kKinds[2]}) {
-            if (!has(kind) || (kind.cache && scene != std::string("builtin:cornell"))) continue;
+        for (const Kind& kind : {kKinds[0], kKinds[2], kReservoirs, kUnbiased}) {
+            if (!has(kind) || ((kind.cache || kind.reuse != RealtimeReuse::None) && scene != std::string("builtin:cornell"))) continue;
             SCOPED_TRACE(fmt::format("{}, {}", scene, kind.name));
             Stage& stage = builtin_stage(scene);
             const auto draw = [&](gpu::TraceWay way, uint32_t first, uint32_t frames) {
@@ -139,17 +157,21 @@ TEST_F(RealtimeMachine, raster_shows_what_moves_where_rays_find_it) {
 
 // As CliRender.the_number_of_threads_changes_no_bit.
 TEST_F(RealtimeMachine, the_number_of_threads_changes_no_bit) {
-    TemporaryFolder folder;
-    std::string of_one_thread;
-    for (const char* threads : {"0", "2", "7"}) {
-        const ProcessResult result = run_parhelion({"render", "builtin:cornell", "--renderer", "realtime", "--set", "realtime.reuse=none", "--size", "40x24", "--frames", "4", "--trace", "compute",
-                                                    "--exposure", "3", "--out", "a.exr"},
-                                                   {.environment = {{"LP_NUM_THREADS", threads}}, .folder = folder.path()});
-        ASSERT_EQ(result.exit_code, 0) << result.err;
-        const std::string bytes = read_bytes(folder.path() / "a.exr");
-        EXPECT_GT(bytes.size(), 1000u);
-        if (of_one_thread.empty()) of_one_thread = bytes;
-        EXPECT_TRUE(bytes == of_one_thread) << threads << " threads";
+    const std::vector<std::vector<std::string>> kinds{{"realtime.reuse=none"}, {"realtime.reuse=full", "realtime.adapt_confidence=off"}, {"realtime.reuse=unbiased", "realtime.cache=off"}};
+    for (const std::vector<std::string>& kind : kinds) {
+        SCOPED_TRACE(kind[0]);
+        TemporaryFolder folder;
+        std::vector<std::string> command{"render", "builtin:cornell", "--renderer", "realtime", "--size", "40x24", "--frames", "4", "--trace", "compute", "--exposure", "3", "--out", "a.exr"};
+        for (const std::string& setting : kind) command.insert(command.end(), {"--set", setting});
+        std::string of_one_thread;
+        for (const char* threads : {"0", "2", "7"}) {
+            const ProcessResult result = run_parhelion(command, {.environment = {{"LP_NUM_THREADS", threads}}, .folder = folder.path()});
+            ASSERT_EQ(result.exit_code, 0) << result.err;
+            const std::string bytes = read_bytes(folder.path() / "a.exr");
+            EXPECT_GT(bytes.size(), 1000u);
+            if (of_one_thread.empty()) of_one_thread = bytes;
+            EXPECT_TRUE(bytes == of_one_thread) << threads << " threads";
+        }
     }
 }
 

@@ -123,11 +123,13 @@ TEST_F(Torture, every_frame_in_realtime_is_finite_and_not_negative) {
     for (const auto& [handle, camera] : stage.scene.cameras())
         if (camera.name == "inside") inside = view_of(camera, 1.0f);
     for (const gpu::TraceWay way : ways(*device())) {
-        for (const bool cache : {true, false}) {
-            if (cache && (way != gpu::TraceWay::Compute || !LightCache::supported(device()->caps()))) continue;
-            SCOPED_TRACE(fmt::format("{}, cache {}", gpu::trace_way_name(way), cache));
+        for (const auto& [cache, reuse] : {std::pair(true, RealtimeReuse::None), {false, RealtimeReuse::None}, {true, RealtimeReuse::Full}, {false, RealtimeReuse::Unbiased}}) {
+            if (way != gpu::TraceWay::Compute && (cache || reuse != RealtimeReuse::None)) continue;
+            if (cache && !LightCache::supported(device()->caps())) continue;
+            SCOPED_TRACE(fmt::format("{}, cache {}, reuse {}", gpu::trace_way_name(way), cache, int(reuse)));
             const GBufferMode gbuffer = !cache && device()->caps().raster ? GBufferMode::Raster : GBufferMode::Trace;
-            Player player(stage, {.way = way, .view = {.width = 36, .height = 32, .aovs = {"path.*"}}}, {.gbuffer = gbuffer, .cache = cache, .cache_options = {.cells = 1u << 13}});
+            Player player(stage, {.way = way, .view = {.width = 36, .height = 32, .aovs = {"path.*"}}},
+                          {.reuse = reuse, .reuse_options = {.adapt_confidence = false}, .gbuffer = gbuffer, .cache = cache, .cache_options = {.cells = 1u << 13}});
             for (int frame = 0; frame < (cache ? 12 : 4); ++frame) {
                 if (frame == (cache ? 8 : 2)) player.set_camera(*inside);
                 expect_sane(player.next());
