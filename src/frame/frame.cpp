@@ -134,13 +134,18 @@ size_t Frame::end_of_group(size_t first) const {
     return end;
 }
 
-// Emits the barrier that a pass, or a group of them, needs, if any, and notes its accesses.
-void Frame::order(std::span<const Access> accesses, std::string_view name, gpu::CommandList& commands) {
+// Emits the barrier that a pass, or a group of them, needs, if any, and notes their accesses.
+void Frame::order(std::span<const Record> records, gpu::CommandList& commands) {
     UseMask before = 0, after = 0;
-    for (const Access& access : accesses) {
-        const Hazard hazard = tracker_.find(access);
-        before |= hazard.before;
-        if (hazard.exists()) after |= use_bit(access.use);
+    std::vector<Access> accesses;
+    for (const Record& record : records) {
+        for (const gpu::Image& image : record.images) commands.initialise_layout(image);
+        for (const Access& access : record.accesses) {
+            const Hazard hazard = tracker_.find(access);
+            before |= hazard.before;
+            if (hazard.exists()) after |= use_bit(access.use);
+            accesses.push_back(access);
+        }
     }
     if (options_.full_barriers) {
         commands.full_barrier();
@@ -154,19 +159,11 @@ void Frame::order(std::span<const Access> accesses, std::string_view name, gpu::
         commands.barrier(scope);
         tracker_.add_barrier(before, after);
     }
-    for (const Access& access : accesses)
-        if (tracker_.find(access).exists())
-            complaints_.push_back(fmt::format("{}: {} of {} is not ordered after an earlier access", name, gpu::use_name(access.use), *access.name));
+    for (const Record& record : records)
+        for (const Access& access : record.accesses)
+            if (tracker_.find(access).exists())
+                complaints_.push_back(fmt::format("{}: {} of {} is not ordered after an earlier access", record.info.name, gpu::use_name(access.use), *access.name));
     tracker_.add_accesses(accesses);
-}
-
-void Frame::begin_group(std::span<const Record> records, gpu::CommandList& commands) {
-    std::vector<Access> accesses;
-    for (const Record& record : records) {
-        for (const gpu::Image& image : record.images) commands.initialise_layout(image);
-        accesses.insert(accesses.end(), record.accesses.begin(), record.accesses.end());
-    }
-    order(accesses, records.front().info.name, commands);
 }
 
 uint64_t Frame::record(gpu::CommandList& commands) {
@@ -187,7 +184,7 @@ uint64_t Frame::record(gpu::CommandList& commands) {
         commands.begin_label(record.info.name);
         if (i == ordered) {
             ordered = end_of_group(i);
-            begin_group(std::span(records_).subspan(i, ordered - i), commands);
+            order(std::span(records_).subspan(i, ordered - i), commands);
         }
         if (i < timed) commands.write_timer(frame.timers, 2 * i);
         record.launch(commands);

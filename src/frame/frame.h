@@ -243,8 +243,7 @@ private:
     };
     void add(Record record);
     void keep(std::shared_ptr<void> object) { kept_.push_back(std::move(object)); }
-    void begin_group(std::span<const Record> records, gpu::CommandList& commands);
-    void order(std::span<const Access> accesses, std::string_view name, gpu::CommandList& commands);
+    void order(std::span<const Record> records, gpu::CommandList& commands);
     size_t end_of_group(size_t first) const;
     void read_timers(const InFlight& frame);
     [[noreturn]] void report_loss(const std::exception& cause);

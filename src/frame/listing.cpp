@@ -12,9 +12,9 @@ namespace {
 
 std::string or_dash(const std::string& text) { return text.empty() ? "-" : text; }
 
-// A row without number and time. What repeats stands behind a bar.
-std::string row(const PassInfo& pass, bool repeats) {
-    return fmt::format("{:<28} {:<10} {:<10} reads: {}; writes: {}", (repeats ? "| " : "") + pass.name, or_dash(pass.variant), or_dash(pass.extent), or_dash(fmt::format("{}", fmt::join(pass.reads, " "))),
+// A row without number and time. What repeats stands behind a bar, what runs beside the row before it behind an ampersand.
+std::string row(const PassInfo& pass, bool beside, bool repeats) {
+    return fmt::format("{:<28} {:<10} {:<10} reads: {}; writes: {}", (repeats ? "| " : "") + std::string(beside ? "& " : "") + pass.name, or_dash(pass.variant), or_dash(pass.extent), or_dash(fmt::format("{}", fmt::join(pass.reads, " "))),
                        or_dash(fmt::format("{}", fmt::join(pass.writes, " "))));
 }
 
@@ -40,15 +40,16 @@ Repeat find_repeat(std::span<const size_t> rows, size_t first) {
 }  // namespace
 
 std::string list_passes(std::span<const PassInfo> passes, bool with_times) {
+    const auto beside = [&](size_t i) { return i > 0 && passes[i].group != 0 && passes[i].group == passes[i - 1].group; };
     std::map<std::string, size_t> numbers;
     std::vector<size_t> rows;
-    for (const PassInfo& pass : passes) rows.push_back(numbers.try_emplace(row(pass, false), numbers.size()).first->second);
+    for (size_t i = 0; i < passes.size(); ++i) rows.push_back(numbers.try_emplace(row(passes[i], beside(i), false), numbers.size()).first->second);
 
     std::string out;
     const auto print = [&](size_t i, const Repeat& repeat) {
         double ms = 0;
         for (size_t n = 0; n < repeat.times; ++n) ms += passes[i + n * repeat.length].gpu_ms;
-        out += fmt::format("{:>3}  {}", i + 1, row(passes[i], repeat.times > 1)) + (with_times ? fmt::format("; {:.3f} ms\n", ms) : "\n");
+        out += fmt::format("{:>3}  {}", i + 1, row(passes[i], beside(i), repeat.times > 1)) + (with_times ? fmt::format("; {:.3f} ms\n", ms) : "\n");
     };
     for (size_t i = 0; i < passes.size();) {
         const Repeat repeat = find_repeat(rows, i);

@@ -16,7 +16,7 @@ constexpr uint32_t kTileRows = 8;           // bands are whole squares of 64 pix
 constexpr uint32_t kPassings = 8, kPassingsWithoutCache = 32;  // panes, and boundaries that are none, along a path of most scatterings
 constexpr uint32_t kMostScatterings = 256;  // of paths without a bound: roulette lets less than one in 100,000 live so long
 
-constexpr uint32_t kAdaptedNeighbours = 2;  // where lights are many
+constexpr uint32_t kAdaptedNeighbours = 2, kMostCandidates = 64;  // where lights are many
 
 uint32_t reservoir_sets(const RealtimeOptions& options) { return options.reuse_options.sets == ReservoirSets::Split ? 2 : 1; }
 
@@ -145,15 +145,15 @@ bool Realtime::has_many_lights(const SceneGpu& scene) const {
 
 // Light samples that a first surface chooses among; with reservoirs more of them where lights are many: what is found well is shared.
 uint32_t Realtime::candidates(const SceneGpu& scene) const {
-    constexpr uint32_t kMore = 8, kMost = 64;
-    return reuse_ && options_.reuse_options.adapt_offers && has_many_lights(scene) ? std::min(kMore * options_.candidates, kMost) : options_.candidates;
+    constexpr uint32_t kMore = 8;
+    return reuse_ && options_.reuse_options.adapt_offers && has_many_lights(scene) ? std::min(kMore * options_.candidates, kMostCandidates) : options_.candidates;
 }
 
 // And surfaces behind it. Where lights are few, one of all of them is nearly as good and costs less.
 uint32_t Realtime::later_candidates(const SceneGpu& scene) const {
-    constexpr uint32_t kMore = 4, kMost = 64;
+    constexpr uint32_t kMore = 4;
     if (!has_many_lights(scene)) return 0;
-    return reuse_ && options_.reuse_options.adapt_offers ? std::min(kMore * options_.later_candidates, kMost) : options_.later_candidates;
+    return reuse_ && options_.reuse_options.adapt_offers ? std::min(kMore * options_.later_candidates, kMostCandidates) : options_.later_candidates;
 }
 
 // Partners of each pixel.
@@ -251,6 +251,7 @@ void Realtime::note_changes(const SceneGpu& scene) {
 }
 
 void Realtime::begin_update(Frame& frame, const SceneGpu& scene, gpu::TraceWay way, const View& view) {
+    update_.reset();
     if (!cache_ || !updates_cells) return;
     update_.emplace(
         frame, scene, way, *cache_,

@@ -1,6 +1,6 @@
 #pragma once
-// The world cache's storage: a hash table of cells with the irradiance at them, in one buffer (shared/cache.h). It belongs to the scene:
-// views share it. passes/cache keeps it current; shaders/scene/cache.glsl asks it. docs/world-cache.md.
+// The world cache's storage: a hash table of cells with the irradiance at them, in one buffer (shared/cache.h). Each view has its
+// own: cells are sized by its pixels and pre-exposed as it is. passes/cache keeps it current; shaders/scene/cache.glsl asks it. docs/world-cache.md.
 #include <cstdint>
 #include <optional>
 #include <utility>

@@ -85,7 +85,8 @@ TEST_F(FrameListing, the_document_is_made_from_the_listings) {
         "What `parhelion render builtin:cornell --list-frame` records: every pass with what it reads and writes. Made from\n"
         "`tests/golden/` by the test `golden` (`PARHELION_UPDATE_GOLDEN=1` rewrites it).\n\n"
         "The first frames of a scene bring it in, in slices, and build what its way to trace needs (here one slice, and one to compact\n"
-        "the driver's bottom levels); the last rows, from `view/data` on, are all that a slice of work consists of afterwards.\n";
+        "the driver's bottom levels); the last rows, from `view/data` on, are all that a slice of work consists of afterwards. A pass behind\n"
+        "`&` runs beside the one before it; what stands behind a bar repeats.\n";
     for (const gpu::TraceWay way : kWays) {
         const std::string name(gpu::trace_way_name(way));
         text += "\n## reference, --trace " + name + "\n\n```\n" + read(golden_name(way)) + "```\n";

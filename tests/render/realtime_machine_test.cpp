@@ -17,14 +17,9 @@ struct Kind {
     RealtimeReuse reuse = RealtimeReuse::None;
     ReservoirSets sets = ReservoirSets::Unified;
 };
-constexpr Kind kKinds[] = {{"traced"},
-                           {"raster", GBufferMode::Raster},
-                           {"without cache", GBufferMode::Trace, true, false},
-                           {"without tiles", GBufferMode::Raster, false, true},
-                           {"reservoirs", GBufferMode::Trace, true, true, RealtimeReuse::Full},
-                           {"split reservoirs", GBufferMode::Trace, true, true, RealtimeReuse::Full, ReservoirSets::Split},
-                           {"unbiased reservoirs", GBufferMode::Trace, true, false, RealtimeReuse::Unbiased}};
-constexpr const Kind &kReservoirs = kKinds[4], &kUnbiased = kKinds[6];
+constexpr Kind kTraced{"traced"}, kWithoutCache{"without cache", GBufferMode::Trace, true, false}, kRaster{"raster", GBufferMode::Raster};
+constexpr Kind kReservoirs{"reservoirs", GBufferMode::Trace, true, true, RealtimeReuse::Full}, kUnbiased{"unbiased reservoirs", GBufferMode::Trace, true, false, RealtimeReuse::Unbiased};
+constexpr Kind kKinds[] = {kTraced, kRaster, kWithoutCache, {"without tiles", GBufferMode::Raster, false, true}, kReservoirs, {"split reservoirs", GBufferMode::Trace, true, true, RealtimeReuse::Full, ReservoirSets::Split}, kUnbiased};
 
 class RealtimeMachine : public GpuTest {
 protected:
@@ -46,7 +41,7 @@ protected:
 TEST_F(RealtimeMachine, the_same_frames_have_the_same_bits_with_and_without_full_barriers) {
     for (const char* scene : {"builtin:cornell", "builtin:glass"})
         for (const Kind& kind : kKinds) {
-            if (!has(kind) || (kind.name != kKinds[0].name && scene != std::string("builtin:cornell"))) continue;
+            if (!has(kind) || (kind.name != kTraced.name && scene != std::string("builtin:cornell"))) continue;
             SCOPED_TRACE(fmt::format("{}, {}", scene, kind.name));
             std::vector<image::FilmSums> films;
             for (const bool full : {false, true}) {
@@ -61,11 +56,11 @@ TEST_F(RealtimeMachine, the_same_frames_have_the_same_bits_with_and_without_full
 
 // The cache's update goes on beside the frame's first vertices, which do not ask it. In scenes of layered materials it has more steps.
 TEST_F(RealtimeMachine, nobody_asks_the_cache_before_its_update_has_ended) {
-    if (!has(kKinds[0])) GTEST_SKIP() << "no world cache";
+    if (!has(kTraced)) GTEST_SKIP() << "no world cache";
     for (const char* scene : {"builtin:cornell", "builtin:glass"}) {
         SCOPED_TRACE(scene);
         Stage stage(make_builtin(scene).scene, {.hardware = false});
-        Player(stage, shot(gpu::TraceWay::Compute, 16, 1), options(kKinds[0])).skip(1);
+        Player(stage, shot(gpu::TraceWay::Compute, 16, 1), options(kTraced)).skip(1);
         const std::vector<PassInfo>& passes = stage.frame.passes();
         const auto ends = std::ranges::find(passes, "cache/blend", &PassInfo::name);
         const auto asks = [](const PassInfo& pass) { return !pass.name.starts_with("cache/") && std::ranges::find(pass.reads, "cache/cells") != pass.reads.end(); };
@@ -103,18 +98,19 @@ TEST_F(RealtimeMachine, each_barrier_left_out_draws_a_complaint) {
                 EXPECT_GT(record(static_cast<int>(skipped)).second, 0u) << "barrier " << skipped << " of " << barriers;
             }
     };
-    const Kind& all = has(kKinds[1]) ? kKinds[1] : kKinds[2];
+    const Kind& all = has(kRaster) ? kRaster : kWithoutCache;
     try_all("builtin:cornell", all, ~0u, 0);
     if (has(kReservoirs)) try_all("builtin:cornell", kReservoirs, ~0u, 0);
     try_all("builtin:cornell", kUnbiased, ~0u, 0);
-    try_all("builtin:glass", kKinds[2], 16, 8);
+    try_all("builtin:glass", kWithoutCache, 16, 8);
+    if (has(kTraced)) try_all("builtin:glass", kTraced, 32, 8);
 }
 
 // Frame 1 by pixels, the mean of what follows by itself: every way has the same random numbers, so means differ by next to nothing, and
 // equality of expectations needs no repetition.
 TEST_F(RealtimeMachine, every_way_to_trace_draws_the_same_frames) {
     for (const char* scene : {"builtin:cornell", "builtin:glass"})
-        for (const Kind& kind : {kKinds[0], kKinds[2], kReservoirs, kUnbiased}) {
+        for (const Kind& kind : {kTraced, kWithoutCache, kReservoirs, kUnbiased}) {
             if (!has(kind) || ((kind.cache || kind.reuse != RealtimeReuse::None) && scene != std::string("builtin:cornell"))) continue;
             SCOPED_TRACE(fmt::format("{}, {}", scene, kind.name));
             Stage& stage = builtin_stage(scene);

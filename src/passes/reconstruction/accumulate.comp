@@ -98,7 +98,8 @@ float frames_of(Image image) { return (image.lobe + 0.25) / max(image.parallax, 
 
 // The specular history where the reflection was seen, for a mirror that stands still, flat or bent, whose image is as far behind it as the mirror
 // equation says; mixed in as far as what was reflected there lay as far away. What is left of the surface's own history lasts for as long as the
-// lobe is wider than the parallax. Most lobes are wider for longer than any history lasts, and then the surface's own is as good.
+// lobe is wider than the parallax. Most lobes are wider for longer than any history lasts; where those of a flat mirror would be, the image is not looked for
+// (pictures in motion are as near to their references without it).
 void find_reflection(ViewData view, ivec2 id, vec3 position_ws, vec2 before_px, Sought s, Guide here, float hit_now, inout Signal specular) {
     const float hit = here.roughness < 0.1 && hit_now > 0.0 ? hit_now : blend_hit(specular.hit, hit_now);
     if (push.frame.virtual_motion == 0u || hit <= 0.0) return;
@@ -207,10 +208,11 @@ void main() {
     // What needs nothing is asked for first; what the history then waits for it need not wait for, too.
     Lit around[kLoads];
     for (uint i = 0u; i < kLoads; ++i) around[i] = load_light(view, min(thread + i * kPixels, kSide * kSide - 1u));
-    const uvec4 packed = imageLoad(summary, ivec2(id));
-    const uint surface = inside ? packed.z >> kSummaryIdShift : 0u, normal = imageLoad(identity, ivec2(id)).w;
-    const uvec2 packed_guide = pack_guide(imageLoad(depth, ivec2(id)).x, view.camera.orthographic != 0u, packed);
-    const vec2 hits = unpackHalf2x16(push.distances.v[pixel]), before_px = vec2(id) + 0.5 + imageLoad(motion, ivec2(id)).xy;
+    const ivec2 at = min(ivec2(id), ivec2(view.width, view.height) - 1);
+    const uvec4 packed = imageLoad(summary, at);
+    const uint surface = inside ? packed.z >> kSummaryIdShift : 0u, normal = imageLoad(identity, at).w;
+    const uvec2 packed_guide = pack_guide(imageLoad(depth, at).x, view.camera.orthographic != 0u, packed);
+    const vec2 hits = unpackHalf2x16(push.distances.v[pixel]), before_px = vec2(id) + 0.5 + imageLoad(motion, at).xy;
     Signal diffuse = kNoSignal, specular = kNoSignal;
     Change change = Change(vec2(push.frame.history), vec2(0.0));
     if (surface != 0u && push.frame.has_history != 0u && !any(isinf(before_px))) {
